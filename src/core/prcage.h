@@ -1,0 +1,310 @@
+// The public interface of prcage: a dense closed triangle mesh in, a certified tight bounding cage out.
+//
+// A cage is a mesh of few faces that strictly encloses the input, has its topology, does not intersect itself
+// and stays within a distance tau of it (PR-Cage: progressive feasibility relaxation). Every result carries a
+// certificate computed from scratch with exact predicates on the coordinates that are returned.
+//
+// Contract of every function here: no global state, no exception leaves it except std::bad_alloc, any number
+// of calls may run at the same time in one process, and the result is the same to the last bit for any number
+// of threads. Lengths are in the input's unit unless they are said to be relative; `l` is the length of the
+// diagonal of the input's bounding box.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace prcage {
+
+// ------------------------------------------------------------------------------------------------ meshes
+
+// Triangle mesh that owns its arrays. Positions are #V by 3, triangles #F by 3 vertex indices, counterclockwise
+// seen from outside.
+struct Mesh {
+  std::vector<std::array<double, 3>> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+enum class Scalar { float32, float64 };
+
+// The caller's arrays, borrowed for the duration of a call and never written. Strides are in bytes; 0 means
+// tightly packed. Triangles are three 32-bit vertex indices each.
+struct MeshView {
+  const void* positions = nullptr;
+  std::size_t vertex_count = 0;
+  std::size_t position_stride = 0;
+  Scalar scalar = Scalar::float64;
+  const std::uint32_t* triangles = nullptr;
+  std::size_t triangle_count = 0;
+  std::size_t triangle_stride = 0;
+
+  MeshView() = default;
+  MeshView(const Mesh& mesh)  // NOLINT(google-explicit-constructor): a mesh is a view of itself
+      : positions(mesh.positions.data()),
+        vertex_count(mesh.positions.size()),
+        triangles(mesh.triangles.empty() ? nullptr : mesh.triangles.front().data()),
+        triangle_count(mesh.triangles.size()) {}
+};
+
+// ------------------------------------------------------------------------------------------------ status
+
+enum class Status {
+  ok,
+  face_budget_not_reached,  // the cage is valid, but tau allows no fewer faces than it has
+  cancelled,                // the cage is valid: what had been reached when the caller cancelled
+  invalid_options,          // nothing computed; Result::message names the option
+  invalid_input,            // nothing computed; Result::validation lists the defects
+  displacement_failed,      // the input could not be moved off itself without a collision: no cage
+  certificate_failed,       // a defect of prcage: the mesh that is returned must not be trusted
+  internal_error,           // a defect of prcage or of a library; Result::message says what is known
+};
+
+// Stable lower-case identifier of a status, e.g. "face_budget_not_reached".
+const char* to_string(Status status);
+
+// --------------------------------------------------------------------------------------------- validation
+
+enum class DefectKind {
+  no_faces,
+  index_out_of_range,     // a triangle names a vertex that does not exist
+  repeated_vertex,        // a triangle names one vertex twice
+  not_finite,             // NaN or infinite coordinate of a vertex in use
+  too_large,              // coordinates beyond 1e15 or so small that l underflows
+  boundary_edge,          // edge with one face
+  non_manifold_edge,      // edge with more than two faces
+  inconsistent_edge,      // two faces pass the edge in the same direction
+  non_manifold_vertex,    // faces of the vertex do not form one fan
+  duplicate_face,         // two faces on the same three vertices
+  self_intersection,      // two faces meet outside their common vertices and edges
+  degenerate_face,        // zero-area face that no exact local repair removes
+  inside_out,             // every component is turned inside out
+  nested_orientation,     // a component's orientation contradicts its nesting: overlapping solids
+};
+
+const char* to_string(DefectKind kind);
+
+// One place where a defect was found. Unused element slots are no_element.
+struct DefectExample {
+  static constexpr std::uint32_t no_element = 0xffffffffu;
+  std::array<std::uint32_t, 2> faces{no_element, no_element};     // zero-based
+  std::array<std::uint32_t, 2> vertices{no_element, no_element};  // zero-based
+  std::array<double, 3> position{};                               // a point on the element
+};
+
+struct Defect {
+  DefectKind kind{};
+  std::size_t count = 0;
+  std::vector<DefectExample> examples;  // at most five, lowest element numbers first
+};
+
+// What validate() finds. A mesh is a legal input exactly if `defects` is empty.
+struct Validation {
+  std::vector<Defect> defects;
+  std::size_t vertices = 0;               // as given
+  std::size_t faces = 0;                  // as given
+  std::size_t unreferenced_vertices = 0;  // legal, dropped
+  std::size_t duplicate_vertices = 0;     // legal: vertices at the position of another one
+  std::size_t degenerate_faces = 0;       // legal, removed by exact local repair that keeps the point set
+  std::size_t components = 0;             // of the surface
+  std::size_t cavities = 0;               // components that bound a hollow of a solid
+  long long euler_characteristic = 0;
+  double diagonal = 0;                    // l
+  double area = 0;
+  double volume = 0;                      // signed, cavities subtracted
+
+  bool valid() const { return defects.empty(); }
+};
+
+// ------------------------------------------------------------------------------------------- certificate
+
+// The answer, from exact predicates on final coordinates, to "is this cage what it claims to be".
+struct Certificate {
+  bool closed = false;
+  bool manifold = false;               // edges and vertices
+  bool oriented = false;               // consistently
+  bool no_degenerate_face = false;     // no three collinear corners
+  bool self_intersection_free = false;
+  bool no_contact = false;             // no face of the cage touches a face of the input
+  bool encloses = false;               // every component of the input is inside, the cage bounds a volume
+  bool euler_characteristic_equal = false;
+  bool component_count_equal = false;
+
+  std::size_t components = 0;
+  long long euler_characteristic = 0;
+  std::size_t self_intersections = 0;  // intersecting pairs of cage faces
+  std::size_t contacts = 0;            // pairs (cage face, input face) that touch
+
+  bool valid() const {
+    return closed && manifold && oriented && no_degenerate_face && self_intersection_free && no_contact && encloses &&
+           euler_characteristic_equal && component_count_equal;
+  }
+};
+
+// ---------------------------------------------------------------------------------------------- options
+
+enum class TauMode {
+  strict,  // proved: no point of the cage is farther than tau_k from the input in cycle k (DESIGN: strict tau)
+  paper,   // the paper's test at face centroids only, eq. 4
+};
+
+enum class Precision { float64, float32 };
+
+struct Options {
+  // Thickness of the band outside the input that the cage may use. Relative to l unless tau_absolute > 0,
+  // which is in the input's unit and then takes precedence. Range (0, 1].
+  double tau = 1.0 / 40;
+  double tau_absolute = 0;
+  TauMode tau_mode = TauMode::strict;
+
+  // Staircase schedule (paper eq. 6): cycle k works within beta_k * tau. Empty means `cycles` uniform steps
+  // beta_k = k / cycles; otherwise a strictly increasing list in (0, 1] that ends at 1.
+  int cycles = 10;
+  std::vector<double> schedule;
+
+  // Stop at this many faces, or one below where parity demands. 0: as few as tau allows.
+  std::size_t face_budget = 0;
+
+  bool flips = true;          // edge flips after each cycle (paper sec. 3.2)
+  double sigma = 1e-5;        // first displacement off the input, relative to l (paper sec. 3.2)
+  std::uint64_t seed = 0;     // breaks ties between candidates of equal cost
+  int threads = 0;            // 0: as many as the machine has
+  bool accept_inside_out = false;  // turn an inside-out input round instead of refusing it
+
+  // Precision in which the caller will store the result. float32 keeps every vertex of the run on a float, so
+  // that what is certified is what is stored.
+  Precision precision = Precision::float64;
+};
+
+// ------------------------------------------------------------------------------------- progress and cancel
+
+// Shared between the caller and a run: the run writes progress, anybody may cancel. Thread-safe. One Control
+// belongs to one run at a time. Cancelling is sticky and answered within a round (milliseconds to a second on
+// millions of faces); the run then returns the valid cage that it has.
+class Control {
+ public:
+  enum class Stage { start, validate, displace, collapse, flip, certify, done };
+
+  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+
+  Stage stage() const noexcept { return stage_.load(std::memory_order_relaxed); }
+  int cycle() const noexcept { return cycle_.load(std::memory_order_relaxed); }            // 1..cycles
+  std::size_t faces() const noexcept { return faces_.load(std::memory_order_relaxed); }    // of the cage now
+  double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }   // 0..1, never falls
+
+  // For the run itself.
+  void report(Stage stage, int cycle, std::size_t faces, double progress) noexcept {
+    stage_.store(stage, std::memory_order_relaxed);
+    cycle_.store(cycle, std::memory_order_relaxed);
+    faces_.store(faces, std::memory_order_relaxed);
+    if (progress > progress_.load(std::memory_order_relaxed)) progress_.store(progress, std::memory_order_relaxed);
+  }
+
+ private:
+  std::atomic<bool> cancelled_{false};
+  std::atomic<Stage> stage_{Stage::start};
+  std::atomic<int> cycle_{0};
+  std::atomic<std::size_t> faces_{0};
+  std::atomic<double> progress_{0};
+};
+
+const char* to_string(Control::Stage stage);
+
+// ------------------------------------------------------------------------------------------------ results
+
+// Why candidates were tried, accepted and rejected; sums over a cycle or a run.
+struct Counts {
+  std::uint64_t evaluated = 0;             // edges whose placement problem was set up
+  std::uint64_t rejected_link = 0;         // link condition
+  std::uint64_t rejected_infeasible = 0;   // empty feasible region, eq. 4 and 5
+  std::uint64_t selected = 0;              // members of an independent set
+  std::uint64_t rejected_orientation = 0;  // exact: a face would sweep inward
+  std::uint64_t rejected_degenerate = 0;   // exact: a new face is degenerate or the patch folds onto itself
+  std::uint64_t rejected_tau = 0;          // a new face could not be proved within tau_k
+  std::uint64_t rejected_cage = 0;         // exact: the patch would hit the rest of the cage
+  std::uint64_t rejected_conflict = 0;     // lost against another patch of the same round
+  std::uint64_t collapses = 0;             // accepted
+  std::uint64_t flips_tried = 0;
+  std::uint64_t flips = 0;                 // accepted
+
+  Counts& operator+=(const Counts& other);
+};
+
+struct CycleStatistics {
+  double beta = 0;         // of the schedule
+  double tau = 0;          // beta * tau, input's unit
+  std::size_t rounds = 0;  // of independent sets
+  std::size_t faces = 0;   // at the end of the cycle
+  double seconds = 0;
+  Counts counts;
+};
+
+// Wall seconds by stage.
+struct StageSeconds {
+  double total = 0;
+  double validate = 0;
+  double displace = 0;
+  double evaluate = 0;  // constraints, QP, cost
+  double select = 0;    // independent sets
+  double build = 0;     // new patches, exact local tests
+  double distance = 0;  // band around the input, strict tau
+  double collide = 0;   // joins, exact triangle pairs, conflicts
+  double commit = 0;    // topology, compaction, trees
+  double flip = 0;
+  double certify = 0;
+};
+
+struct Statistics {
+  std::size_t input_vertices = 0;
+  std::size_t input_faces = 0;
+  std::size_t cage_vertices = 0;
+  std::size_t cage_faces = 0;
+  double diagonal = 0;                       // l
+  double tau = 0;                            // absolute
+  double sigma_min = 0;                      // smallest displacement step used, absolute
+  double sigma_max = 0;                      // largest
+  std::size_t singular_vertices = 0;         // displacement QP infeasible: fallback direction
+  std::size_t halved_vertices = 0;           // sigma halved for them at least once
+  int threads = 0;
+  std::string simd;                          // instruction set of the kernels
+  std::uint64_t peak_memory_bytes = 0;       // of the process, highest so far
+  std::uint64_t band_voxels = 0;             // distance band: voxels ever filled
+  StageSeconds seconds;
+  Counts counts;
+  std::vector<CycleStatistics> cycles;
+};
+
+struct Result {
+  Status status = Status::internal_error;
+  std::string message;      // empty if ok; one sentence for people otherwise
+  Mesh cage;                // empty unless has_cage()
+  Validation validation;    // of the input
+  Certificate certificate;  // of the cage
+  Statistics statistics;
+
+  // The cage is there and certified.
+  bool has_cage() const {
+    return status == Status::ok || status == Status::face_budget_not_reached || status == Status::cancelled;
+  }
+};
+
+// ---------------------------------------------------------------------------------------------- functions
+
+// Checks with exact predicates whether a mesh is a legal input: closed, manifold, consistently and outwardly
+// oriented, finite, free of self-intersections, solids not overlapping. threads as in Options.
+Validation validate(const MeshView& input, int threads = 0);
+
+// Certifies a cage against an input from scratch. Both must have indices in range and finite positions;
+// anything else is answered by a certificate that is not valid.
+Certificate certify(const MeshView& input, const MeshView& cage, int threads = 0);
+
+// Makes a cage. `control` may be null.
+Result make_cage(const MeshView& input, const Options& options = {}, Control* control = nullptr);
+
+// Semantic version of the library, e.g. "0.1.0".
+const char* version();
+
+}  // namespace prcage
