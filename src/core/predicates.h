@@ -6,6 +6,8 @@
 // A point is a pointer to three finite doubles.
 #pragma once
 
+#include <cstddef>
+
 namespace prcage::exact {
 
 // Sign of det(b-a, c-a, d-a): +1 if d lies on the side from which a, b, c appear counterclockwise, i.e. on the
@@ -27,8 +29,8 @@ bool triangles_intersect(const double* a0, const double* a1, const double* a2, c
 // Does the closed segment pq have a common point with the closed triangle? Both may be degenerate.
 bool segment_triangle_intersect(const double* p, const double* q, const double* a, const double* b, const double* c);
 
-// Sign of the sum of the n doubles of one exact determinant sum: sign of sum over faces of det(a, b, c), six
-// times the signed volume enclosed by a closed surface. corners holds 3 pointers a face.
-int volume_sign(const double* const* corners, unsigned long face_count);
+// Sign of the sum over faces of det(a, b, c): six times the signed volume enclosed by a closed surface. corners
+// holds three point pointers a face.
+int volume_sign(const double* const* corners, std::size_t face_count);
 
 }  // namespace prcage::exact

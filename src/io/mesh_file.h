@@ -30,11 +30,12 @@ bool stores_floats(MeshFormat format);
 
 struct MeshFile {
   bool ok = false;
-  std::string error;  // if not ok: file, line or byte offset, element, what is wrong and what to do; one line
+  std::string error;  // if not ok: file, line or byte offset, element, what is wrong and what to do; one line.
+                      // Lines count from 1; bytes, vertices and faces from 0 as everywhere here
 
   Mesh mesh;
   MeshFormat format = MeshFormat::ply_binary;
-  bool float_positions = false;        // the file held 32-bit floats
+  bool float_positions = false;        // the file held 32-bit floats (binary PLY and STL; text is read as double)
   std::size_t polygons = 0;            // faces of the file with more than three corners, cut into fans
   std::size_t skipped_elements = 0;    // lines, points, ... that are no faces
   std::size_t welded_corners = 0;      // STL: corners merged into a vertex at the same position
@@ -50,14 +51,16 @@ struct WriteResult {
 };
 
 // Writes beside `path` and renames, so that the file is there as a whole or not at all, also when the disk is full
-// or the process is killed. "-" writes standard output. Comment: one line kept in formats that have comments.
+// or the process is killed. "-" writes standard output; devices and pipes are written directly; symbolic links are
+// followed. Comment: one line kept in formats that have comments. A mesh with a vertex index out of range is refused.
 WriteResult write_mesh(const std::string& path, MeshFormat format, const Mesh& mesh, const std::string& comment = {});
 
 // Same guarantee for any bytes (statistics, pictures).
 WriteResult write_file(const std::string& path, const void* data, std::size_t size);
 
 // Merges vertices with bitwise equal positions (-0 equals +0), keeping the order of first occurrence, and renumbers
-// the triangles; indices out of range are left alone. Returns the number of vertices removed. O(n log n) or better.
+// the triangles; indices out of range are left alone. Returns the number of vertices removed. Linear time; at most
+// 2^32 - 1 vertices.
 std::size_t weld_equal_positions(Mesh& mesh);
 
 }  // namespace prcage

@@ -1,0 +1,188 @@
+#include "core/corner_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+namespace prcage {
+namespace {
+
+// Neighbours of a vertex, at most Capacity on the stack.
+class Neighbours {
+ public:
+  Neighbours(const CornerTable& mesh, std::uint32_t v) {
+    for_each_outgoing(mesh, v, [&](std::uint32_t h) { push(mesh.target(h)); });
+  }
+
+  std::size_t size() const { return size_; }
+  const std::uint32_t* begin() const { return large_.empty() ? small_.data() : large_.data(); }
+  const std::uint32_t* end() const { return begin() + size_; }
+
+ private:
+  void push(std::uint32_t v) {
+    if (size_ == small_.size()) large_.assign(small_.begin(), small_.end());
+    if (size_ < small_.size())
+      small_[size_] = v;
+    else
+      large_.push_back(v);
+    ++size_;
+  }
+
+  std::array<std::uint32_t, 32> small_;
+  std::vector<std::uint32_t> large_;
+  std::size_t size_ = 0;
+};
+
+std::size_t count_common(const Neighbours& a, const Neighbours& b) {
+  if (a.size() * b.size() <= 1024) {
+    return static_cast<std::size_t>(std::count_if(
+        a.begin(), a.end(), [&](std::uint32_t v) { return std::find(b.begin(), b.end(), v) != b.end(); }));
+  }
+  std::vector<std::uint32_t> sorted(b.begin(), b.end());
+  std::sort(sorted.begin(), sorted.end());
+  return static_cast<std::size_t>(std::count_if(
+      a.begin(), a.end(), [&](std::uint32_t v) { return std::binary_search(sorted.begin(), sorted.end(), v); }));
+}
+
+void pair_up(CornerTable& mesh, std::uint32_t g, std::uint32_t h) {
+  mesh.twin[g] = h;
+  mesh.twin[h] = g;
+}
+
+void kill_face(CornerTable& mesh, std::uint32_t h) {
+  const std::uint32_t first = h - h % 3;
+  for (std::uint32_t i = first; i < first + 3; ++i) mesh.corner_vertex[i] = mesh.twin[i] = none;
+}
+
+}  // namespace
+
+CornerTable CornerTable::from_mesh(const Mesh& mesh) {
+  CornerTable table;
+  table.position = mesh.positions;
+  EdgeDefects defects;
+  table.twin = pair_halfedges(mesh.triangles, mesh.positions.size(), defects);
+  assert(defects.empty());
+  table.corner_vertex.resize(3 * mesh.triangles.size());
+  table.vertex_halfedge.assign(mesh.positions.size(), none);
+  for (std::uint32_t h = 0; h < table.corner_vertex.size(); ++h) {
+    const std::uint32_t v = mesh.triangles[h / 3][h % 3];
+    table.corner_vertex[h] = v;
+    if (table.vertex_halfedge[v] == none) table.vertex_halfedge[v] = h;
+  }
+  return table;
+}
+
+Mesh CornerTable::to_mesh() const {
+  Mesh mesh;
+  std::vector<std::uint32_t> number(vertex_slots(), none);
+  for (std::uint32_t v = 0; v < vertex_slots(); ++v) {
+    if (vertex_halfedge[v] == none) continue;
+    number[v] = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(position[v]);
+  }
+  for (std::uint32_t f = 0; f < face_slots(); ++f) {
+    if (!face_alive(f)) continue;
+    const std::uint32_t* v = &corner_vertex[3 * std::size_t{f}];
+    mesh.triangles.push_back({number[v[0]], number[v[1]], number[v[2]]});
+  }
+  return mesh;
+}
+
+std::uint32_t CornerTable::valence(std::uint32_t v, std::uint32_t limit) const {
+  const std::uint32_t first = vertex_halfedge[v];
+  std::uint32_t n = 0;
+  std::uint32_t h = first;
+  do {
+    ++n;
+    h = next_around(h);
+  } while (h != first && n < limit);
+  return n;
+}
+
+void collapse_edge(CornerTable& mesh, std::uint32_t h, const Position& p) {
+  const std::uint32_t t = mesh.twin[h];
+  const std::uint32_t a = mesh.origin(h);
+  const std::uint32_t b = mesh.target(h);
+  for_each_outgoing(mesh, b, [&](std::uint32_t g) { mesh.corner_vertex[g] = a; });
+  mesh.position[a] = p;
+  mesh.vertex_halfedge[b] = none;
+  // In each dying face the two other edges become one: the halfedges across them are twins now, and they leave the
+  // opposite vertex and a.
+  for (const std::uint32_t edge : {h, t}) {
+    const std::uint32_t into_apex = mesh.twin[next_halfedge(edge)];      // leaves the apex
+    const std::uint32_t out_of_apex = mesh.twin[previous_halfedge(edge)];  // ends at the apex
+    const std::uint32_t apex = mesh.apex(edge);
+    if (mesh.vertex_halfedge[apex] / 3 == edge / 3) mesh.vertex_halfedge[apex] = into_apex;
+    mesh.vertex_halfedge[a] = out_of_apex;
+    pair_up(mesh, into_apex, out_of_apex);
+  }
+  kill_face(mesh, h);
+  kill_face(mesh, t);
+}
+
+void flip_edge(CornerTable& mesh, std::uint32_t h) {
+  const std::uint32_t t = mesh.twin[h];
+  const std::uint32_t h_next = next_halfedge(h), h_prev = previous_halfedge(h);
+  const std::uint32_t t_next = next_halfedge(t), t_prev = previous_halfedge(t);
+  const std::uint32_t a = mesh.origin(h), b = mesh.target(h), c = mesh.apex(h), d = mesh.apex(t);
+  const std::uint32_t bc = mesh.twin[h_next], ca = mesh.twin[h_prev], ad = mesh.twin[t_next], db = mesh.twin[t_prev];
+  // Face of h becomes (d, c, a), face of t becomes (c, d, b), with h from d to c and t from c to d.
+  mesh.corner_vertex[h] = d;
+  mesh.corner_vertex[h_next] = c;
+  mesh.corner_vertex[h_prev] = a;
+  mesh.corner_vertex[t] = c;
+  mesh.corner_vertex[t_next] = d;
+  mesh.corner_vertex[t_prev] = b;
+  pair_up(mesh, h_next, ca);
+  pair_up(mesh, h_prev, ad);
+  pair_up(mesh, t_next, db);
+  pair_up(mesh, t_prev, bc);
+  mesh.vertex_halfedge[a] = h_prev;
+  mesh.vertex_halfedge[b] = t_prev;
+  mesh.vertex_halfedge[c] = h_next;
+  mesh.vertex_halfedge[d] = t_next;
+}
+
+Compaction compact(CornerTable& mesh) {
+  Compaction kept;
+  std::vector<std::uint32_t> new_vertex(mesh.vertex_slots(), none);
+  for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v) {
+    if (mesh.vertex_halfedge[v] == none) continue;
+    new_vertex[v] = static_cast<std::uint32_t>(kept.vertices.size());
+    kept.vertices.push_back(v);
+  }
+  std::vector<std::uint32_t> new_face(mesh.face_slots(), none);
+  for (std::uint32_t f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_alive(f)) continue;
+    new_face[f] = static_cast<std::uint32_t>(kept.faces.size());
+    kept.faces.push_back(f);
+  }
+  const auto new_halfedge = [&](std::uint32_t h) { return 3 * new_face[h / 3] + h % 3; };
+  // Live elements only move towards the front, so moving in ascending order is safe in place.
+  for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
+    mesh.position[i] = mesh.position[kept.vertices[i]];
+    mesh.vertex_halfedge[i] = new_halfedge(mesh.vertex_halfedge[kept.vertices[i]]);
+  }
+  for (std::size_t i = 0; i < kept.faces.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t h = 3 * std::size_t{kept.faces[i]} + k;
+      mesh.corner_vertex[3 * i + k] = new_vertex[mesh.corner_vertex[h]];
+      mesh.twin[3 * i + k] = new_halfedge(mesh.twin[h]);
+    }
+  }
+  mesh.position.resize(kept.vertices.size());
+  mesh.vertex_halfedge.resize(kept.vertices.size());
+  mesh.corner_vertex.resize(3 * kept.faces.size());
+  mesh.twin.resize(3 * kept.faces.size());
+  return kept;
+}
+
+bool link_condition(const CornerTable& mesh, std::uint32_t h) {
+  const Neighbours a(mesh, mesh.origin(h));
+  const Neighbours b(mesh, mesh.target(h));
+  if (a.size() + b.size() < 7) return false;
+  if (count_common(a, b) != 2) return false;
+  return mesh.valence(mesh.apex(h), 4) > 3 && mesh.valence(mesh.apex(mesh.twin[h]), 4) > 3;
+}
+
+}  // namespace prcage

@@ -1,0 +1,63 @@
+// Where a collapsed edge goes: the constrained quadric problem of an edge (paper eq. 1, 4, 5), gathered for many edges
+// into flat arrays, solved as a batch.
+//
+// Each problem lives in a local frame with the edge's midpoint as origin and its length as unit, with unit normals, so
+// that one tolerance fits all scales.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/band.h"
+#include "core/corner_table.h"
+#include "core/qp3.h"
+
+namespace prcage {
+
+struct PlacementSettings {
+  CageBand band{0};
+  // Added to the lower bound of eq. 4, relative to the edge: keeps active constraints on the certain side of their
+  // planes under rounding (without it exact orientation rejects half of the candidates).
+  double margin = 1e-9;
+  // The same in absolute units, for positions that are rounded to floats.
+  double absolute_margin = 0;
+  // epsilon of eq. 5 as a fraction of the face's present height, so that it never excludes the present vertex.
+  double height_fraction = 1e-3;
+  // Tikhonov term towards the midpoint, relative to the mean eigenvalue: flat stars have quadrics of rank 1.
+  double regularization = 1e-3;
+  // Stars with more faces are left alone until collapses around them make them smaller: keeps the cost of a round
+  // linear at hubs of thousands of faces.
+  std::uint32_t max_star = 512;
+  // Shortest unit of a local frame, input's unit: edges of length zero have no frame of their own.
+  double min_scale = 0;
+  bool float_positions = false;
+  // Makes costs free of units: 1 / l^2 for the square root of an area times a squared length.
+  double cost_scale = 1;
+};
+
+// Problems and solutions, one entry an edge. Reused between calls; grows to the largest batch.
+struct PlacementBatch {
+  std::vector<std::uint32_t> halfedge;
+  std::vector<std::uint32_t> first_plane;  // planes of problem i: [first_plane[i], first_plane[i + 1])
+  std::vector<double> nx, ny, nz, offset;  // planes, local frame
+  std::vector<Symmetric3> form;            // 1/2 x^T form x + linear . x + constant: squared distance, weighted
+  std::vector<Vec3> linear;
+  std::vector<double> constant;
+  std::vector<Vec3> origin;
+  std::vector<double> scale;
+
+  std::vector<Position> solution;  // global frame
+  std::vector<double> cost;        // area-weighted squared distance at the solution; infinity if infeasible
+
+  std::size_t size() const { return halfedge.size(); }
+  void clear();
+};
+
+// Appends the problem of one edge. face_distance[f] is an upper bound of d(c_f, M).
+void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, std::uint32_t halfedge,
+                      const PlacementSettings& settings, PlacementBatch& batch);
+
+// Solves all problems of the batch.
+void solve_placements(const PlacementSettings& settings, PlacementBatch& batch);
+
+}  // namespace prcage

@@ -1,0 +1,41 @@
+// The threads of a run. Every parallel part of prcage, Embree's included, runs inside an arena of its own: the
+// host's thread limits stay as they are, and the floating-point state that Embree sets while it builds (denormals
+// flushed to zero) cannot reach the workers that evaluate exact predicates.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+namespace prcage {
+
+class Arena {
+ public:
+  // threads <= 0: as many as the machine has.
+  explicit Arena(int threads);
+
+  int threads() const { return threads_; }
+
+  // Runs f with denormals live on the calling thread and on every worker, and restores the caller's state.
+  template <class F>
+  void run(F&& f) {
+    const FloatState state;
+    arena_.execute(f);
+  }
+
+ private:
+  // Clears flush-to-zero and denormals-are-zero for its lifetime.
+  class FloatState {
+   public:
+    FloatState();
+    ~FloatState();
+    FloatState(const FloatState&) = delete;
+    FloatState& operator=(const FloatState&) = delete;
+
+   private:
+    unsigned saved_;
+  };
+
+  int threads_;
+  tbb::task_arena arena_;
+};
+
+}  // namespace prcage

@@ -1,0 +1,34 @@
+// Stages 1 and 2 of a round: costs of the edges whose surroundings changed, and an independent set of the cheapest.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "parallel/cage_state.h"
+
+namespace prcage {
+
+// Evaluates every edge with a dirty endpoint: link condition, constraints, QP, cost. Writes edge_cost, clears dirty,
+// adds to the counts.
+void evaluate_dirty_edges(CageState& state, const PlacementSettings& settings, Counts& counts);
+
+// A member of an independent set. Keys are unique and order candidates by cost, equal costs by a hash of the edge.
+struct Candidate {
+  std::uint64_t key;
+  std::uint32_t halfedge;
+
+  bool operator<(const Candidate& other) const { return key < other.key; }
+};
+
+// Order-preserving key of a non-negative cost, made unique by the halfedge.
+std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t seed);
+
+// Edges of finite cost that are the minimum on every face of their star, in ascending order. Stars of the result are
+// disjoint, so the collapses cannot disturb each other's topology.
+std::vector<Candidate> select_independent_collapses(const CageState& state, std::uint64_t seed);
+
+// For operations that change the edges of all vertices in a quadrilateral: of the given candidates those that are the
+// minimum at the four vertices of their two faces, in ascending order.
+std::vector<Candidate> select_independent_flips(const CornerTable& mesh, const std::vector<Candidate>& candidates);
+
+}  // namespace prcage

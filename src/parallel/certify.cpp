@@ -1,0 +1,132 @@
+#include "parallel/certify.h"
+
+#include <algorithm>
+
+#include "core/mesh_view.h"
+#include "parallel/arena.h"
+#include "parallel/winding.h"
+
+namespace prcage {
+namespace {
+
+bool names_vertices(const Mesh& mesh, const Triangle& t) {
+  return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return v < mesh.positions.size(); }) && t[0] != t[1] &&
+         t[1] != t[2] && t[2] != t[0];
+}
+
+// Can the questions of the certificate be asked at all? On success `used` is the mesh without unreferenced vertices.
+bool well_formed(const Mesh& mesh, SubMesh& used) {
+  if (mesh.triangles.empty()) return false;
+  for (const Triangle& t : mesh.triangles)
+    if (!names_vertices(mesh, t)) return false;
+  used = select_faces(mesh.positions, mesh.triangles);
+  return std::all_of(used.mesh.positions.begin(), used.mesh.positions.end(), within_limits) &&
+         extent(used.mesh.positions).diagonal() >= smallest_diagonal;
+}
+
+struct Topology {
+  EdgeGroups edges;
+  EdgeDefects defects;
+  Components components;
+  long long euler_characteristic = 0;
+};
+
+Topology topology(const Mesh& mesh) {
+  Topology t;
+  t.edges = group_edges(mesh.triangles, mesh.positions.size());
+  pair_halfedges(mesh.triangles, t.edges, t.defects);
+  t.components = face_components(mesh.triangles.size(), t.edges);
+  t.euler_characteristic = static_cast<long long>(mesh.positions.size()) - static_cast<long long>(t.edges.size()) +
+                           static_cast<long long>(mesh.triangles.size());
+  return t;
+}
+
+// Pairs of intersecting faces; a zero-area face counts as one pair with itself and is left out otherwise.
+std::size_t count_self_intersections(const TreeDevice& device, const SurfaceTree& cage,
+                                     const std::vector<std::uint32_t>& degenerate) {
+  if (degenerate.empty()) return self_intersections(cage, 0).count;
+  std::vector<std::uint8_t> keep(cage.triangles().size(), 1);
+  for (const std::uint32_t f : degenerate) keep[f] = 0;
+  SurfaceTree proper(device);
+  proper.build(cage.frame(), cage.positions(), cage.triangles(), TreeQuality::fast_query, keep);
+  return degenerate.size() + self_intersections(proper, 0).count;
+}
+
+bool all_wind(const std::vector<Winding>& windings, int number) {
+  return std::all_of(windings.begin(), windings.end(),
+                     [number](const Winding& w) { return w.known && w.number == number; });
+}
+
+// The last three conditions of the header; the first, no contact, is the caller's.
+bool encloses(const TreeDevice& device, const Enclosed& input, const SurfaceTree& cage, const Components& components) {
+  const auto cage_points = component_points(cage.positions(), cage.triangles(), components);
+  const auto nest = nesting(device, cage, components);
+  return all_wind(winding_numbers(device, cage, input.component_points), 1) &&
+         all_wind(winding_numbers(device, *input.surface, cage_points), 0) &&
+         std::all_of(nest.begin(), nest.end(), [](const Nesting& n) { return n.bounds_solid(); });
+}
+
+}  // namespace
+
+Enclosed enclosed(const CheckedMesh& input) {
+  const SubMesh& surface = input.valid.surface;
+  return {&input.valid.tree, true, input.validation.components, input.validation.euler_characteristic,
+          component_points(surface.mesh.positions, surface.mesh.triangles, input.valid.components)};
+}
+
+Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const Mesh& cage) {
+  Certificate certificate;
+  SubMesh used;
+  if (!well_formed(cage, used)) return certificate;
+  const auto& positions = used.mesh.positions;
+  const auto& triangles = used.mesh.triangles;
+
+  const Topology t = topology(used.mesh);
+  certificate.closed = t.defects.boundary.empty();
+  certificate.oriented = t.defects.inconsistent.empty();
+  certificate.manifold =
+      t.defects.non_manifold.empty() && non_manifold_vertices(triangles, positions.size(), t.edges).empty();
+  certificate.components = t.components.count();
+  certificate.euler_characteristic = t.euler_characteristic;
+  certificate.component_count_equal = t.components.count() == input.components;
+  certificate.euler_characteristic_equal = t.euler_characteristic == input.euler_characteristic;
+
+  SurfaceTree surface(device);
+  surface.build(input.surface->frame(), positions, triangles, TreeQuality::fast_query);
+  const auto degenerate = degenerate_faces(positions, triangles);
+  certificate.no_degenerate_face = degenerate.empty();
+  certificate.self_intersections = count_self_intersections(device, surface, degenerate);
+  certificate.self_intersection_free = certificate.self_intersections == 0;
+  certificate.contacts = contacts(surface, *input.surface, 0).count;
+  certificate.no_contact = certificate.contacts == 0;
+  certificate.encloses = input.closed && t.defects.empty() && certificate.no_contact &&
+                         encloses(device, input, surface, t.components);
+  return certificate;
+}
+
+namespace {
+
+Certificate certify_meshes(const Mesh& input, const Mesh& cage) {
+  SubMesh used;
+  if (!well_formed(input, used)) return {};
+  const auto& positions = used.mesh.positions;
+  const auto& triangles = used.mesh.triangles;
+  const TreeDevice device;
+  SurfaceTree surface(device);
+  surface.build(unit_frame(positions), positions, triangles, TreeQuality::fast_query);
+  const Topology t = topology(used.mesh);
+  return certify_cage(device,
+                      {&surface, t.defects.empty(), t.components.count(), t.euler_characteristic,
+                       component_points(positions, triangles, t.components)},
+                      cage);
+}
+
+}  // namespace
+
+Certificate certify(const MeshView& input, const MeshView& cage, int threads) {
+  Certificate certificate;
+  Arena(threads).run([&] { certificate = certify_meshes(to_mesh(input), to_mesh(cage)); });
+  return certificate;
+}
+
+}  // namespace prcage

@@ -1,0 +1,34 @@
+// The certificate of a cage: every claim checked from scratch, with exact predicates on the coordinates as they are.
+// Must be called inside an Arena.
+//
+// Winding numbers w_C of the cage and w_M of the input decide enclosure:
+//   - no face of the cage touches a face of the input, so that w_C is constant on each component of the input and w_M
+//     on each of the cage;
+//   - w_C = 1 at every component of the input: it is inside;
+//   - w_M = 0 at every component of the cage: no part of the cage sits in the input's solid;
+//   - w_C is 0 and 1 on the two sides of every component of the cage: the cage bounds a volume.
+#pragma once
+
+#include <vector>
+
+#include "core/surface.h"
+#include "parallel/intersections.h"
+#include "parallel/validate.h"
+
+namespace prcage {
+
+// What a cage is certified against. Borrows the tree.
+struct Enclosed {
+  const SurfaceTree* surface = nullptr;
+  bool closed = false;  // and oriented: winding numbers exist
+  std::size_t components = 0;
+  long long euler_characteristic = 0;
+  std::vector<Position> component_points;  // a vertex of each component
+};
+
+// The input that validate_mesh() found valid.
+Enclosed enclosed(const CheckedMesh& input);
+
+Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const Mesh& cage);
+
+}  // namespace prcage

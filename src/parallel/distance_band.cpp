@@ -1,0 +1,169 @@
+#include "parallel/distance_band.h"
+
+#include <openvdb/openvdb.h>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/distance.h"
+
+namespace prcage {
+namespace {
+
+constexpr std::size_t recent_slots = 1024;
+// The memo is dropped when it holds this many leaves of 8^3 voxels (2 KiB each).
+constexpr std::uint32_t max_leaves = 1u << 16;
+// Pieces smaller than this fraction of tau are given up as undecided.
+constexpr double smallest_piece = 1.0 / 64;
+
+std::size_t slot(const openvdb::Coord& voxel) {
+  const auto mix = static_cast<std::uint32_t>(voxel.x()) * 73856093u ^ static_cast<std::uint32_t>(voxel.y()) * 19349663u ^
+                   static_cast<std::uint32_t>(voxel.z()) * 83492791u;
+  return (mix ^ (mix >> 15)) % recent_slots;
+}
+
+struct NearestQuery {
+  const DistanceBand* band;
+  Vec3 x;
+  double scale;  // of the frame of the tree
+  DistanceBand::Near best;
+};
+
+// Embree calls this for faces whose box may be within the radius, which shrinks as better faces turn up. The radius is
+// kept a little too large, so that faces at equal distance are all seen and the lowest wins.
+bool visit_face(RTCPointQueryFunctionArguments* args) {
+  auto& query = *static_cast<NearestQuery*>(args->userPtr);
+  const double d = query.band->distance_to_face(query.x, args->primID);
+  if (d > query.best.distance || (d == query.best.distance && args->primID > query.best.face)) return false;
+  query.best = {args->primID, d};
+  args->query->radius = static_cast<float>(d * query.scale) * 1.00001f + 1e-6f;
+  return true;
+}
+
+using Tree = openvdb::Int32Tree;
+using Accessor = openvdb::tree::ValueAccessor<const Tree, false>;  // not registered with the tree
+
+struct Found {
+  openvdb::Coord voxel = openvdb::Coord::max();
+  std::int32_t face = -1;
+};
+
+// What one thread knows between two calls of absorb().
+struct ThreadMemo {
+  explicit ThreadMemo(const Tree& shared) : tree(shared), recent(recent_slots) {}
+  Accessor tree;
+  std::vector<Found> recent;  // direct-mapped by voxel
+  std::vector<Found> found;   // not in the tree yet
+};
+
+}  // namespace
+
+struct DistanceBand::Memo {
+  Tree tree{-1};
+  tbb::enumerable_thread_specific<ThreadMemo> threads{[this] { return ThreadMemo(tree); }};
+  std::uint64_t filled = 0;
+};
+
+DistanceBand::DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles,
+                           const UnitFrame& frame, const BoxTree& tree)
+    : positions_(positions),
+      triangles_(triangles),
+      frame_(frame),
+      tree_(&tree),
+      memo_(std::make_unique<Memo>()) {}
+
+DistanceBand::~DistanceBand() = default;
+
+std::uint64_t DistanceBand::voxels_filled() const { return memo_->filled; }
+
+double DistanceBand::distance_to_face(const Vec3& x, std::uint32_t face) const {
+  const Triangle& t = triangles_[face];
+  return (x - closest_point(x, vec(positions_[t[0]]), vec(positions_[t[1]]), vec(positions_[t[2]]))).norm();
+}
+
+DistanceBand::Near DistanceBand::nearest(const Vec3& x) const {
+  const Vec3 y = (x - frame_.centre) * frame_.scale;
+  RTCPointQuery query;
+  query.x = static_cast<float>(y.x());
+  query.y = static_cast<float>(y.y());
+  query.z = static_cast<float>(y.z());
+  query.time = 0;
+  query.radius = std::numeric_limits<float>::infinity();
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  NearestQuery state{this, x, frame_.scale, {0xffffffffu, std::numeric_limits<double>::infinity()}};
+  rtcPointQuery(tree_->scene(), &query, &context, visit_face, &state);
+  return state.best;
+}
+
+DistanceBand::Near DistanceBand::near(const Vec3& x) {
+  const Vec3 y = (x - frame_.centre) / voxel_size_;
+  const openvdb::Coord voxel(static_cast<int>(std::floor(y.x())), static_cast<int>(std::floor(y.y())),
+                             static_cast<int>(std::floor(y.z())));
+  ThreadMemo& memo = memo_->threads.local();
+  Found& recent = memo.recent[slot(voxel)];
+  if (recent.voxel != voxel) {
+    std::int32_t face = memo.tree.getValue(voxel);
+    if (face < 0) {
+      const Vec3 centre = (Vec3(voxel.x(), voxel.y(), voxel.z()) + Vec3::Constant(0.5)) * voxel_size_ + frame_.centre;
+      face = static_cast<std::int32_t>(nearest(centre).face);
+      memo.found.push_back({voxel, face});
+    }
+    recent = {voxel, face};
+  }
+  const auto face = static_cast<std::uint32_t>(recent.face);
+  return {face, distance_to_face(x, face)};
+}
+
+bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double tau) {
+  // Depth first; each division replaces a piece by its halves across the longest edge, so the stack stays short.
+  std::array<std::array<Vec3, 3>, 64> stack;
+  std::size_t top = 0;
+  stack[top++] = {a, b, c};
+  while (top > 0) {
+    const std::array<Vec3, 3> piece = stack[--top];
+    const auto& [p, q, r] = piece;
+    const Vec3 centre = (p + q + r) / 3;
+    Near found = near(centre);
+    if (found.distance > tau) {
+      found = nearest(centre);
+      if (found.distance > tau) return false;
+    }
+    const bool proved =
+        std::all_of(piece.begin(), piece.end(),
+                    [&](const Vec3& x) { return distance_to_face(x, found.face) <= tau; });
+    if (proved) continue;
+    const std::array<double, 3> length{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
+    const auto i = static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());
+    if (length[i] < smallest_piece * smallest_piece * tau * tau || top + 2 > stack.size()) return false;
+    const Vec3& from = piece[i];
+    const Vec3& to = piece[(i + 1) % 3];
+    const Vec3& apex = piece[(i + 2) % 3];
+    const Vec3 middle = 0.5 * (from + to);
+    stack[top++] = {middle, to, apex};
+    stack[top++] = {from, middle, apex};
+  }
+  return true;
+}
+
+void DistanceBand::set_voxel_size(double size) {
+  if (size == voxel_size_) return;
+  absorb();
+  voxel_size_ = size;
+  memo_->tree.clear();
+}
+
+void DistanceBand::absorb() {
+  openvdb::tree::ValueAccessor<Tree, false> writer(memo_->tree);
+  for (const ThreadMemo& memo : memo_->threads) {
+    for (const Found& found : memo.found) writer.setValue(found.voxel, found.face);
+    memo_->filled += memo.found.size();
+  }
+  memo_->threads.clear();  // their accessors point into the tree that has just changed
+  if (memo_->tree.leafCount() > max_leaves) memo_->tree.clear();
+}
+
+}  // namespace prcage

@@ -1,0 +1,59 @@
+// Distance to the input inside a narrow band: the d(c_f, M) of eq. 4 and the proof behind strict tau.
+//
+// A sparse OpenVDB grid remembers, per voxel, the input face closest to the voxel's centre. The distance from a query
+// point to that face is an upper bound of its distance to the input, exceeding it by at most the voxel's diagonal;
+// over-estimates only tighten constraints, an under-estimate cannot happen. The grid is a memo of a pure function: it
+// is filled where queries fall, by closest-point queries on Embree, and what it returns does not depend on what it
+// already holds. So results are the same for any number of threads, and memory follows the cage's surface.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "parallel/box_tree.h"
+
+namespace prcage {
+
+class DistanceBand {
+ public:
+  // The surface and the tree over its faces' boxes in `frame` must outlive the band.
+  DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles, const UnitFrame& frame,
+               const BoxTree& tree);
+  ~DistanceBand();
+
+  // A face of the input and the distance from the query point to it.
+  struct Near {
+    std::uint32_t face;
+    double distance;
+  };
+
+  // A face near x by the memo: an upper bound of the distance, at most voxel diagonal too large. Thread-safe.
+  Near near(const Vec3& x);
+  // The nearest face, lowest number among equals. Thread-safe.
+  Near nearest(const Vec3& x) const;
+  double distance_to_face(const Vec3& x, std::uint32_t face) const;
+
+  // Is every point of triangle abc proved to be within `tau` of the input? The distance to one face is convex, so a
+  // piece whose corners are within tau of one common face is proved; other pieces are divided. Thread-safe.
+  bool within(const Vec3& a, const Vec3& b, const Vec3& c, double tau);
+
+  // Voxel edge length for the queries to come; forgets what was remembered at another one. Not thread-safe.
+  void set_voxel_size(double size);
+  // Takes over what the threads found since the last call. Not thread-safe; to be called between stages.
+  void absorb();
+
+  std::uint64_t voxels_filled() const;
+
+ private:
+  struct Memo;  // keeps OpenVDB out of this header
+
+  std::span<const Position> positions_;
+  std::span<const Triangle> triangles_;
+  UnitFrame frame_;
+  const BoxTree* tree_;
+  double voxel_size_ = 1;
+  std::unique_ptr<Memo> memo_;
+};
+
+}  // namespace prcage

@@ -1,0 +1,30 @@
+// The engine: from a first cage, cycles of the staircase schedule, each a loop of rounds of independent collapses
+// followed by flips (DESIGN of the data flow: evaluate, select, build, collide, resolve, commit). Every cage of the run
+// is valid and encloses the one before.
+#pragma once
+
+#include <vector>
+
+#include "parallel/arena.h"
+#include "parallel/cage_state.h"
+#include "parallel/distance_band.h"
+
+namespace prcage {
+
+struct EngineContext {
+  const Options* options;
+  double diagonal;              // l
+  double tau;                   // absolute
+  UnitFrame frame;
+  const TreeDevice* device;
+  DistanceBand* band;
+  Control* control;             // may be null
+  Statistics* statistics;
+};
+
+enum class EngineOutcome { schedule_finished, budget_reached, cancelled };
+
+// Runs inside an Arena. `state` holds a valid first cage with all vertices dirty.
+EngineOutcome run_engine(CageState& state, const EngineContext& context);
+
+}  // namespace prcage

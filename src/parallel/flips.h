@@ -1,0 +1,20 @@
+// Edge flips after the collapses of a cycle (paper sec. 3.2, "Edge-flip Stage"): rounds of independent flips that raise
+// the smallest angle of their quadrilateral, add volume on the outside only and stay within the band.
+#pragma once
+
+#include "parallel/cage_state.h"
+#include "parallel/distance_band.h"
+
+namespace prcage {
+
+struct FlipSettings {
+  double tau = 0;  // of the cycle, input's unit
+  TauMode mode = TauMode::strict;
+  std::uint64_t seed = 0;
+};
+
+// Flips until no flip is left, or the caller cancels. The cage is valid after every round.
+void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame& frame, const TreeDevice& device,
+                DistanceBand& band, Control* control, Counts& counts);
+
+}  // namespace prcage

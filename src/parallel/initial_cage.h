@@ -1,0 +1,33 @@
+// C_0: the input moved outward by sigma and proved, exactly, to be free of self-intersections and of contact with the
+// input. Where neighbouring sheets are too close for sigma it is halved, only there, until the conflict is gone.
+#pragma once
+
+#include <span>
+
+#include "parallel/cage_state.h"
+#include "parallel/intersections.h"
+
+namespace prcage {
+
+struct DisplacementSettings {
+  double step = 0;             // sigma, absolute
+  double longest_move = 0;     // no vertex moves farther: keeps C_0 within the first cycle's tau
+  bool float_positions = false;
+};
+
+struct InitialCage {
+  bool valid = false;
+  CageState state;
+  std::vector<double> step;            // per vertex: sigma used
+  std::size_t singular_vertices = 0;   // fallback direction
+  std::size_t halved_vertices = 0;
+  FacePairs self_intersections;        // what is left if not valid (at most five pairs each): faces of `surface`
+  FacePairs contacts;                  // faces of the cage (numbered like `surface`) and of the input
+};
+
+// `surface` is the input without degenerate faces; `input` the tree over the input that must not be touched. Runs
+// inside an Arena.
+InitialCage displace(const Mesh& surface, const SurfaceTree& input, const DisplacementSettings& settings,
+                     const TreeDevice& device);
+
+}  // namespace prcage

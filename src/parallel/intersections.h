@@ -1,0 +1,67 @@
+// All places where surfaces touch that they must not: improper contacts inside one surface, and contacts between two.
+// Embree's trees of boxes find the candidates, floating point answers nearly all of them, exact predicates the rest.
+// Everything here must be called inside an Arena; results do not depend on the number of threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/triangle_pair.h"
+#include "core/vec3.h"
+#include "parallel/box_tree.h"
+
+namespace prcage {
+
+// The faces of a surface in a tree of boxes. Borrows the arrays: they must stay where they are, unchanged, while the
+// tree is used. Surfaces that are compared with each other must be built in the same frame.
+class SurfaceTree {
+ public:
+  explicit SurfaceTree(const TreeDevice& device) : tree_(device) {}
+
+  // `keep` selects faces: those with keep[f] == 0 are left out. Empty means all. Vertex indices must be in range and
+  // coordinates finite.
+  void build(const UnitFrame& frame, std::span<const Position> positions, std::span<const Triangle> triangles,
+             TreeQuality quality, std::span<const std::uint8_t> keep = {});
+
+  const UnitFrame& frame() const { return frame_; }
+  std::span<const Position> positions() const { return positions_; }
+  std::span<const Triangle> triangles() const { return triangles_; }
+  const BoxTree& tree() const { return tree_; }
+
+  const double* corner(std::uint32_t face, std::size_t i) const { return positions_[triangles_[face][i]].data(); }
+  TriangleRef triangle(std::uint32_t face) const {
+    const Triangle& t = triangles_[face];
+    return {{corner(face, 0), corner(face, 1), corner(face, 2)}, {t[0], t[1], t[2]}};
+  }
+
+ private:
+  UnitFrame frame_;
+  std::span<const Position> positions_;
+  std::span<const Triangle> triangles_;
+  std::vector<Box> boxes_;
+  BoxTree tree_;
+};
+
+inline constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
+
+struct FacePairs {
+  std::size_t count = 0;                               // of all pairs, whatever the limit
+  std::vector<std::array<std::uint32_t, 2>> pairs;     // ascending; the lowest ones if there are more than the limit
+};
+
+// Pairs i < j of faces of the surface in improper_contact(). Degenerate faces must have been left out.
+FacePairs self_intersections(const SurfaceTree& surface, std::size_t limit = no_limit);
+
+// The same for the pairs of which at least one face is in `changed`, a tree over a selection of the same surface's
+// faces.
+FacePairs self_intersections(const SurfaceTree& surface, const SurfaceTree& changed,
+                             std::span<const std::uint8_t> is_changed, std::size_t limit = no_limit);
+
+// Pairs (face of a, face of b) that touch. The two surfaces have no vertices in common; degenerate faces count as the
+// segment or point that they are.
+FacePairs contacts(const SurfaceTree& a, const SurfaceTree& b, std::size_t limit = no_limit);
+
+}  // namespace prcage

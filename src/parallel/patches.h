@@ -1,0 +1,68 @@
+// Stage 3 of a round: the triangles that would replace the star of each selected edge (or the pair of faces of each
+// flip), and the exact tests that need nothing but the patch itself.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/triangle_pair.h"
+#include "parallel/cage_state.h"
+#include "parallel/candidates.h"
+#include "parallel/distance_band.h"
+
+namespace prcage {
+
+enum class Verdict : std::uint8_t {
+  accepted,
+  sweeps_inward,  // exact orientation: the cage would move inside one of its faces
+  degenerate,     // a new face is degenerate, or the patch meets itself
+  beyond_tau,     // not proved to be within tau of the input
+  hits_cage,      // meets the rest of the cage
+  conflict,       // meets a cheaper patch of the same round
+};
+
+// Patches in ascending order of their keys. Patch i replaces the faces removed[first_removed[i] ..) by the triangles
+// [first_face[i] ..); triangle t takes the number face[t] when the patch is committed.
+struct PatchBatch {
+  std::vector<Candidate> candidate;
+  std::vector<std::uint32_t> moved;  // vertex that moves to `point`, or none
+  std::vector<Position> point;
+  std::vector<Verdict> verdict;
+
+  std::vector<std::uint32_t> first_removed;
+  std::vector<std::uint32_t> removed;
+
+  std::vector<std::uint32_t> first_face;
+  std::vector<std::uint32_t> face;
+  std::vector<Triangle> triangle;
+  std::vector<std::uint32_t> patch_of;  // of each triangle
+  std::vector<float> distance;          // upper bound of d(c_f, M) of each triangle
+
+  std::size_t size() const { return candidate.size(); }
+  std::span<const std::uint32_t> removed_faces(std::size_t i) const {
+    return std::span(removed).subspan(first_removed[i], first_removed[i + 1] - first_removed[i]);
+  }
+  bool alive(std::size_t i) const { return verdict[i] == Verdict::accepted; }
+  std::size_t count(Verdict v) const;
+};
+
+// Triangle t of the batch with the positions that it would have.
+TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std::size_t t);
+
+// Patches of the collapses of independent edges, placed by their quadric problems.
+PatchBatch build_collapses(const CageState& state, const PlacementSettings& settings,
+                           const std::vector<Candidate>& selected);
+
+// Patches of edge flips with disjoint quadrilaterals.
+PatchBatch build_flips(const CageState& state, const std::vector<Candidate>& selected);
+
+// Exact: p of each collapse is on the outer side of, or on, every face of its star; a flip adds volume outside; no
+// new face is degenerate; no patch meets itself.
+void test_patches_locally(const CageState& state, PatchBatch& batch);
+
+// Fills in distances. In strict mode rejects patches that are not proved to lie within tau.
+void test_patches_against_band(const CageState& state, DistanceBand& band, double tau, TauMode mode,
+                               PatchBatch& batch);
+
+}  // namespace prcage

@@ -1,0 +1,15 @@
+// What the commands do. Each prints its own errors on stderr and returns the code to exit with; std::bad_alloc and
+// exceptions of libraries are for main() to catch.
+#pragma once
+
+#include "tools/cli_options.h"
+
+namespace prcage {
+
+ExitCode run(const CageCommand& command);
+ExitCode run(const CheckCommand& command);
+ExitCode run(const InfoCommand& command);
+ExitCode run(const MakeCommand& command);
+ExitCode run(const RenderCommand& command);
+
+}  // namespace prcage

@@ -1,0 +1,241 @@
+#include "tools/report_json.h"
+
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace prcage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int schema = 1;
+
+// A key and value of an object: the key is the member's name, so it cannot drift from the code.
+#define PRCAGE_FIELD(object, member) \
+  { #member, (object).member }
+
+Json header() {
+  return {{"schema", schema}, {"tool", {{"name", "prcage"}, {"version", version()}}}};
+}
+
+// File names need not be UTF-8: what is not is replaced, so that the text is always JSON.
+std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json json_of(const InputMesh& input) {
+  return {{"path", input.path},
+          {"format", to_string(input.file.format)},
+          {"vertices", input.file_vertices},
+          {"faces", input.file.mesh.triangles.size()},
+          {"content_hash", fmt::format("xxh3_64:{:016x}", input.content_hash)},
+          PRCAGE_FIELD(input.file, float_positions),
+          PRCAGE_FIELD(input.file, polygons),
+          PRCAGE_FIELD(input.file, skipped_elements),
+          PRCAGE_FIELD(input.file, welded_corners),
+          PRCAGE_FIELD(input, welded_vertices)};
+}
+
+Json json_of(const std::array<std::uint32_t, 2>& elements) {
+  Json numbers = Json::array();
+  for (const std::uint32_t element : elements) {
+    if (element != DefectExample::no_element) numbers.push_back(element);
+  }
+  return numbers;
+}
+
+Json json_of(const Defect& defect) {
+  Json examples = Json::array();
+  for (const DefectExample& example : defect.examples) {
+    examples.push_back(
+        {{"faces", json_of(example.faces)}, {"vertices", json_of(example.vertices)}, PRCAGE_FIELD(example, position)});
+  }
+  return {{"kind", to_string(defect.kind)}, PRCAGE_FIELD(defect, count), {"examples", examples}};
+}
+
+Json json_of(const Validation& validation) {
+  Json defects = Json::array();
+  for (const Defect& defect : validation.defects) defects.push_back(json_of(defect));
+  return {{"valid", validation.valid()},
+          {"defects", defects},
+          PRCAGE_FIELD(validation, vertices),
+          PRCAGE_FIELD(validation, faces),
+          PRCAGE_FIELD(validation, unreferenced_vertices),
+          PRCAGE_FIELD(validation, duplicate_vertices),
+          PRCAGE_FIELD(validation, degenerate_faces),
+          PRCAGE_FIELD(validation, components),
+          PRCAGE_FIELD(validation, cavities),
+          PRCAGE_FIELD(validation, euler_characteristic),
+          PRCAGE_FIELD(validation, diagonal),
+          PRCAGE_FIELD(validation, area),
+          PRCAGE_FIELD(validation, volume)};
+}
+
+Json json_of(const Certificate& certificate) {
+  return {{"valid", certificate.valid()},
+          PRCAGE_FIELD(certificate, closed),
+          PRCAGE_FIELD(certificate, manifold),
+          PRCAGE_FIELD(certificate, oriented),
+          PRCAGE_FIELD(certificate, no_degenerate_face),
+          PRCAGE_FIELD(certificate, self_intersection_free),
+          PRCAGE_FIELD(certificate, no_contact),
+          PRCAGE_FIELD(certificate, encloses),
+          PRCAGE_FIELD(certificate, euler_characteristic_equal),
+          PRCAGE_FIELD(certificate, component_count_equal),
+          PRCAGE_FIELD(certificate, components),
+          PRCAGE_FIELD(certificate, euler_characteristic),
+          PRCAGE_FIELD(certificate, self_intersections),
+          PRCAGE_FIELD(certificate, contacts)};
+}
+
+Json json_of(const Counts& counts) {
+  return {PRCAGE_FIELD(counts, evaluated),           PRCAGE_FIELD(counts, rejected_link),
+          PRCAGE_FIELD(counts, rejected_infeasible), PRCAGE_FIELD(counts, selected),
+          PRCAGE_FIELD(counts, rejected_orientation), PRCAGE_FIELD(counts, rejected_degenerate),
+          PRCAGE_FIELD(counts, rejected_tau),        PRCAGE_FIELD(counts, rejected_cage),
+          PRCAGE_FIELD(counts, rejected_conflict),   PRCAGE_FIELD(counts, collapses),
+          PRCAGE_FIELD(counts, flips_tried),         PRCAGE_FIELD(counts, flips)};
+}
+
+Json json_of(const CycleStatistics& cycle) {
+  return {PRCAGE_FIELD(cycle, beta),    PRCAGE_FIELD(cycle, tau), PRCAGE_FIELD(cycle, rounds), PRCAGE_FIELD(cycle, faces),
+          PRCAGE_FIELD(cycle, seconds), {"counts", json_of(cycle.counts)}};
+}
+
+Json json_of(const StageSeconds& seconds) {
+  return {PRCAGE_FIELD(seconds, total),    PRCAGE_FIELD(seconds, validate), PRCAGE_FIELD(seconds, displace),
+          PRCAGE_FIELD(seconds, evaluate), PRCAGE_FIELD(seconds, select),   PRCAGE_FIELD(seconds, build),
+          PRCAGE_FIELD(seconds, distance), PRCAGE_FIELD(seconds, collide),  PRCAGE_FIELD(seconds, commit),
+          PRCAGE_FIELD(seconds, flip),     PRCAGE_FIELD(seconds, certify)};
+}
+
+Json json_of(const Statistics& statistics) {
+  Json cycles = Json::array();
+  for (const CycleStatistics& cycle : statistics.cycles) cycles.push_back(json_of(cycle));
+  return {PRCAGE_FIELD(statistics, input_vertices),
+          PRCAGE_FIELD(statistics, input_faces),
+          PRCAGE_FIELD(statistics, cage_vertices),
+          PRCAGE_FIELD(statistics, cage_faces),
+          PRCAGE_FIELD(statistics, diagonal),
+          PRCAGE_FIELD(statistics, tau),
+          PRCAGE_FIELD(statistics, sigma_min),
+          PRCAGE_FIELD(statistics, sigma_max),
+          PRCAGE_FIELD(statistics, singular_vertices),
+          PRCAGE_FIELD(statistics, halved_vertices),
+          PRCAGE_FIELD(statistics, threads),
+          PRCAGE_FIELD(statistics, simd),
+          PRCAGE_FIELD(statistics, peak_memory_bytes),
+          PRCAGE_FIELD(statistics, band_voxels),
+          {"seconds", json_of(statistics.seconds)},
+          {"counts", json_of(statistics.counts)},
+          {"cycles", cycles}};
+}
+
+std::vector<double> resolved_schedule(const Options& options) {
+  if (!options.schedule.empty()) return options.schedule;
+  std::vector<double> schedule;
+  for (int k = 1; k <= options.cycles; ++k) schedule.push_back(static_cast<double>(k) / options.cycles);
+  return schedule;
+}
+
+// Tau in both units, whichever was given, once the diagonal that relates them is known.
+void resolve_tau(Options& options, double diagonal) {
+  if (!(diagonal > 0)) return;
+  if (options.tau_absolute > 0) {
+    options.tau = options.tau_absolute / diagonal;
+  } else {
+    options.tau_absolute = options.tau * diagonal;
+  }
+}
+
+Json json_of(const CageCommand& command, double diagonal) {
+  Options options = command.options;
+  resolve_tau(options, diagonal);
+  const std::vector<double> schedule = resolved_schedule(options);
+  return {PRCAGE_FIELD(command, input),
+          PRCAGE_FIELD(command, output),
+          {"format", to_string(command.format)},
+          PRCAGE_FIELD(command, weld),
+          PRCAGE_FIELD(options, tau),
+          PRCAGE_FIELD(options, tau_absolute),
+          {"tau_mode", options.tau_mode == TauMode::strict ? "strict" : "paper"},
+          {"cycles", schedule.size()},
+          {"schedule", schedule},
+          PRCAGE_FIELD(options, face_budget),
+          PRCAGE_FIELD(options, flips),
+          PRCAGE_FIELD(options, sigma),
+          PRCAGE_FIELD(options, seed),
+          PRCAGE_FIELD(options, threads),
+          PRCAGE_FIELD(options, accept_inside_out),
+          {"precision", options.precision == Precision::float32 ? "float32" : "float64"}};
+}
+
+Json json_of(const ValueRange& range) {
+  return {PRCAGE_FIELD(range, min), PRCAGE_FIELD(range, mean), PRCAGE_FIELD(range, max)};
+}
+
+Json json_of(const MeshMeasures& measures) {
+  return {PRCAGE_FIELD(measures, vertices),
+          PRCAGE_FIELD(measures, faces),
+          PRCAGE_FIELD(measures, usable_faces),
+          PRCAGE_FIELD(measures, referenced_vertices),
+          PRCAGE_FIELD(measures, lower),
+          PRCAGE_FIELD(measures, upper),
+          PRCAGE_FIELD(measures, diagonal),
+          PRCAGE_FIELD(measures, area),
+          PRCAGE_FIELD(measures, volume),
+          PRCAGE_FIELD(measures, components),
+          PRCAGE_FIELD(measures, edges),
+          PRCAGE_FIELD(measures, boundary_edges),
+          PRCAGE_FIELD(measures, non_manifold_edges),
+          PRCAGE_FIELD(measures, euler_characteristic),
+          {"edge_length", json_of(measures.edge_length)},
+          {"smallest_angle", json_of(measures.smallest_angle)},
+          PRCAGE_FIELD(measures, largest_angle)};
+}
+
+#undef PRCAGE_FIELD
+
+}  // namespace
+
+std::string run_json(const CageCommand& command, const InputMesh* input, const Result* result, const RunRecord& record) {
+  Json json = header();
+  json["status"] = record.status;
+  json["message"] = record.message;
+  json["exit_code"] = static_cast<int>(record.exit_code);
+  json["cage_written"] = record.cage_written;
+  json["options"] = json_of(command, result ? result->statistics.diagonal : 0);
+  json["seconds"] = {
+      {"total", record.total_seconds}, {"read", input ? input->seconds : 0}, {"write", record.write_seconds}};
+  if (input) json["input"] = json_of(*input);
+  if (result) {
+    json["statistics"] = json_of(result->statistics);
+    json["validation"] = json_of(result->validation);
+    json["certificate"] = json_of(result->certificate);
+  }
+  return text_of(json);
+}
+
+std::string validation_json(const InputMesh& input, const Validation& validation) {
+  Json json = header();
+  json["input"] = json_of(input);
+  json["validation"] = json_of(validation);
+  return text_of(json);
+}
+
+std::string certificate_json(const InputMesh& input, const InputMesh& cage, const Certificate& certificate) {
+  Json json = header();
+  json["input"] = json_of(input);
+  json["cage"] = json_of(cage);
+  json["certificate"] = json_of(certificate);
+  return text_of(json);
+}
+
+std::string info_json(const InputMesh& input, const MeshMeasures& measures) {
+  Json json = header();
+  json["file"] = json_of(input);
+  json["measures"] = json_of(measures);
+  return text_of(json);
+}
+
+}  // namespace prcage

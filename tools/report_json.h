@@ -1,0 +1,31 @@
+// What the program tells other programs: JSON whose keys are the names of the members of the public interface. The
+// schema number rises when a key is renamed or removed, not when one is added.
+#pragma once
+
+#include <string>
+
+#include "core/prcage.h"
+#include "tools/cli_files.h"
+#include "tools/cli_options.h"
+#include "tools/report_measures.h"
+
+namespace prcage {
+
+// What is known of a run of `prcage cage` at its end, also of one that failed early.
+struct RunRecord {
+  std::string status;  // to_string(Status), or cannot_read, cannot_write
+  std::string message;
+  ExitCode exit_code = ExitCode::internal_error;
+  bool cage_written = false;
+  double write_seconds = 0;
+  double total_seconds = 0;
+};
+
+// `input` and `result` may be null: then nothing is known of them.
+std::string run_json(const CageCommand& command, const InputMesh* input, const Result* result, const RunRecord& record);
+
+std::string validation_json(const InputMesh& input, const Validation& validation);
+std::string certificate_json(const InputMesh& input, const InputMesh& cage, const Certificate& certificate);
+std::string info_json(const InputMesh& input, const MeshMeasures& measures);
+
+}  // namespace prcage
