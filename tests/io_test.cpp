@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 using testing::TestWithParam;
 using testing::Values;
 
-constexpr std::array<MeshFormat, 6> all_formats{MeshFormat::ply_binary, MeshFormat::ply_ascii,  MeshFormat::obj,
+constexpr std::array<MeshFormat, 6> all_formats{MeshFormat::ply_binary, MeshFormat::ply_ascii, MeshFormat::obj,
                                                 MeshFormat::stl_binary, MeshFormat::stl_ascii, MeshFormat::off};
 
 // ------------------------------------------------------------------------------------------------------- helpers
@@ -54,9 +54,7 @@ class TemporaryDirectory {
   std::string path_;
 };
 
-void put_file(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
+void put_file(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
 std::string get_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -79,8 +77,8 @@ bool identical(const Mesh& a, const Mesh& b) {
   const auto same_bits = [](const std::array<double, 3>& p, const std::array<double, 3>& q) {
     return std::memcmp(p.data(), q.data(), sizeof p) == 0;
   };
-  return a.triangles == b.triangles && std::equal(a.positions.begin(), a.positions.end(), b.positions.begin(),
-                                                  b.positions.end(), same_bits);
+  return a.triangles == b.triangles &&
+         std::equal(a.positions.begin(), a.positions.end(), b.positions.begin(), b.positions.end(), same_bits);
 }
 
 // The bytes that the writer of a format makes of a mesh.
@@ -107,8 +105,20 @@ void expect_error(const std::string& bytes, const std::string& part) {
 // Vertices of every size that a double has, a triangle for every three of them in order.
 Mesh extreme_mesh() {
   using Limits = std::numeric_limits<double>;
-  std::vector<double> values{-0.0, 0.0, Limits::denorm_min(), -Limits::denorm_min(), Limits::min(), Limits::max(),
-                             Limits::lowest(), 0.1, 1.0 / 3, 1e22, 1e23, 123456789, 5e-324, 2.2250738585072011e-308};
+  std::vector<double> values{-0.0,
+                             0.0,
+                             Limits::denorm_min(),
+                             -Limits::denorm_min(),
+                             Limits::min(),
+                             Limits::max(),
+                             Limits::lowest(),
+                             0.1,
+                             1.0 / 3,
+                             1e22,
+                             1e23,
+                             123456789,
+                             5e-324,
+                             2.2250738585072011e-308};
   std::mt19937_64 random(1);
   while (values.size() < 3000) {
     const double x = std::bit_cast<double>(random());
@@ -157,8 +167,10 @@ TEST(MeshFormatNames, ReadBackAndFollowTheExtension) {
   EXPECT_FALSE(parse_mesh_format("PLY", format));
   EXPECT_FALSE(parse_mesh_format("", format));
 
-  const std::map<std::string, MeshFormat> paths{{"a.ply", MeshFormat::ply_binary}, {"b/c.d.OBJ", MeshFormat::obj},
-                                                {"x.Stl", MeshFormat::stl_binary}, {".off", MeshFormat::off}};
+  const std::map<std::string, MeshFormat> paths{{"a.ply", MeshFormat::ply_binary},
+                                                {"b/c.d.OBJ", MeshFormat::obj},
+                                                {"x.Stl", MeshFormat::stl_binary},
+                                                {".off", MeshFormat::off}};
   for (const auto& [path, expected] : paths) {
     EXPECT_TRUE(mesh_format_of_path(path, format)) << path;
     EXPECT_EQ(format, expected) << path;
@@ -221,9 +233,8 @@ TEST_P(RoundTrip, TrianglesOutOfRangeAreNotWritten) {
   EXPECT_EQ(directory.entries(), 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, testing::ValuesIn(all_formats), [](const auto& parameter) {
-  return replaced(to_string(parameter.param), "-", "_");
-});
+INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, testing::ValuesIn(all_formats),
+                         [](const auto& parameter) { return replaced(to_string(parameter.param), "-", "_"); });
 
 // The same mesh in the dialects of editors and operating systems.
 class TextDialects : public TestWithParam<MeshFormat> {};
@@ -337,7 +348,7 @@ class PlyBuilder {
 class PlyEncodings : public TestWithParam<const char*> {};
 
 TEST_P(PlyEncodings, EveryTypeServesForCoordinatesLengthsAndIndices) {
-  const std::vector<std::string> types{"char", "uchar", "short", "ushort", "int",    "uint",  "float",   "double",
+  const std::vector<std::string> types{"char", "uchar", "short", "ushort", "int",   "uint",   "float",   "double",
                                        "int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
   for (const std::string& type : types) {
     const std::string count_type = type.find("loat") == std::string::npos && type != "double" ? type : "uchar";
@@ -484,7 +495,8 @@ TEST(Ply, AsciiErrorsNameLineAndElement) {
   expect_error(head + "0 0 0\n1 1 1\n3 0 4294967296 0\n", "line 12: face 0");
   expect_error(head + "0 0 0\n1 1 1\n3 0 -1 0\n", "found '-1'");
   expect_error(head + "0 0 0\n1 1 1\n4 0 1 0\n", "the end of the line");
-  expect_error(head + "0 0 0\n1 1 1\n        ", "line 12: face 0: expected the length of a list, found the end of the file");
+  expect_error(head + "0 0 0\n1 1 1\n        ",
+               "line 12: face 0: expected the length of a list, found the end of the file");
 }
 
 // ------------------------------------------------------------------------------------------------------------ OBJ
@@ -536,8 +548,9 @@ TEST(Obj, ErrorsNameLineAndElement) {
 TEST(Off, VariantsOfTheHeader) {
   const std::string body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   const Mesh expected{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  for (const char* header : {"OFF\n3 1 0\n", "OFF 3 1 0\n", "OFF3 1 0\n", "OFF\n3 1\n", "# c\n\nOFF # c\n# c\n3 1 0 # c\n\n",
-                             "OFF\n3\n1\n0\n", "COFF\n3 1 0\n", "NOFF\n3 1 0\n", "STCNOFF\n3 1 0\n"}) {
+  for (const char* header :
+       {"OFF\n3 1 0\n", "OFF 3 1 0\n", "OFF3 1 0\n", "OFF\n3 1\n", "# c\n\nOFF # c\n# c\n3 1 0 # c\n\n",
+        "OFF\n3\n1\n0\n", "COFF\n3 1 0\n", "NOFF\n3 1 0\n", "STCNOFF\n3 1 0\n"}) {
     expect_mesh(header + body, expected);
   }
 }
@@ -615,8 +628,10 @@ TEST(Stl, NormalsOfTinyHugeAndFlatTriangles) {
 }
 
 TEST(Stl, AsciiSolidsCasesAndLoops) {
-  const std::string facet = "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n endloop\nendfacet\n";
-  const std::string mirror = "FACET NORMAL nan 1.#IND x\nOuter Loop\nVERTEX 0 0 -0\nvertex 0 1 0\nvertex 1 0 0\nENDLOOP\nEndFacet\n";
+  const std::string facet =
+      "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 1 0 0\n vertex 0 1 0\n endloop\nendfacet\n";
+  const std::string mirror =
+      "FACET NORMAL nan 1.#IND x\nOuter Loop\nVERTEX 0 0 -0\nvertex 0 1 0\nvertex 1 0 0\nENDLOOP\nEndFacet\n";
   const std::string quad = replaced(facet, " endloop", " vertex 1 1 0\n endloop");
   const Mesh expected{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};
   expect_mesh("solid a name of facets\n" + facet + "endsolid a name\nSOLID\n" + mirror + "ENDSOLID\n", expected);
@@ -812,7 +827,8 @@ TEST(AtomicWrite, MissingDirectoryIsNamed) {
 TEST(AtomicWrite, DirectoryIsNotReplaced) {
   const TemporaryDirectory directory;
   fs::create_directory(directory.file("target"));
-  EXPECT_EQ(write_file(directory.file("target"), "x", 1).error, directory.file("target") + ": cannot write: Is a directory");
+  EXPECT_EQ(write_file(directory.file("target"), "x", 1).error,
+            directory.file("target") + ": cannot write: Is a directory");
   EXPECT_TRUE(fs::is_directory(directory.file("target")));
 }
 
@@ -873,12 +889,12 @@ TEST(AtomicWrite, LinksAndPermissionsStay) {
 
 TEST(AtomicWrite, AnyBytesOfAnySize) {
   const TemporaryDirectory directory;
-  std::mt19937_64 random(4);
-  for (const std::size_t size : {0u, 1u, (1u << 20) - 1, 1u << 20, (1u << 20) + 1, 5u << 20}) {
-    std::string bytes(size, '\0');
-    for (char& c : bytes) c = static_cast<char>(random());
-    ASSERT_TRUE(write_file(directory.file("bytes"), bytes.data(), bytes.size()).ok);
-    EXPECT_EQ(get_file(directory.file("bytes")), bytes);
+  constexpr std::size_t block = 1 << 20;  // the writer's
+  std::string all(3 * block, '\0');
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<char>(i * 0x9e3779b97f4a7c15u >> 56);
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, block - 1, block, block + 1, 3 * block}) {
+    ASSERT_TRUE(write_file(directory.file("bytes"), all.data(), size).ok);
+    EXPECT_TRUE(get_file(directory.file("bytes")) == all.substr(0, size)) << size;
   }
 }
 
@@ -915,7 +931,8 @@ TEST(Weld, AgreesWithAnOrderedMap) {
     if (is_new) expected.positions.push_back(p);
     new_index.push_back(entry->second);
   }
-  for (const auto& t : mesh.triangles) expected.triangles.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
+  for (const auto& t : mesh.triangles)
+    expected.triangles.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
   EXPECT_EQ(weld_equal_positions(mesh), 30000 - numbers.size());
   EXPECT_TRUE(identical(mesh, expected));
 }

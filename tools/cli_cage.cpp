@@ -17,14 +17,21 @@ namespace {
 
 ExitCode exit_code_of(Status status) {
   switch (status) {
-    case Status::ok: return ExitCode::ok;
-    case Status::face_budget_not_reached: return ExitCode::face_budget_not_reached;
-    case Status::cancelled: return ExitCode::interrupted;
-    case Status::invalid_options: return ExitCode::usage;
-    case Status::invalid_input: return ExitCode::invalid_mesh;
-    case Status::displacement_failed: return ExitCode::no_cage;
-    case Status::certificate_failed: return ExitCode::no_cage;
-    case Status::internal_error: return ExitCode::internal_error;
+    case Status::ok:
+      return ExitCode::ok;
+    case Status::face_budget_not_reached:
+      return ExitCode::face_budget_not_reached;
+    case Status::cancelled:
+      return ExitCode::interrupted;
+    case Status::invalid_options:
+      return ExitCode::usage;
+    case Status::invalid_input:
+      return ExitCode::invalid_mesh;
+    case Status::displacement_failed:
+    case Status::certificate_failed:
+      return ExitCode::no_cage;
+    case Status::internal_error:
+      return ExitCode::internal_error;
   }
   return ExitCode::internal_error;
 }
@@ -55,7 +62,7 @@ class CageRun {
     input_ = read_input(command_.input, command_.weld);
     if (!input_.file.ok) return fail("cannot_read", input_.file.error, ExitCode::cannot_read);
     make();
-    if (!has_certified_cage()) {
+    if (!has_cage()) {
       explain_failure();
       return exit_code_of(result_->status);
     }
@@ -76,11 +83,12 @@ class CageRun {
     std::optional<ProgressBar> bar;
     if (!command_.quiet) {
       // Said when Ctrl-C starts to mean "stop with what you have", not before.
-      fmt::print(stderr, "{}: {} vertices, {} faces\n", input_name(command_.input),
-                 input_.file.mesh.positions.size(), input_.file.mesh.triangles.size());
+      fmt::print(stderr, "{}: {} vertices, {} faces\n", input_name(command_.input), input_.file.mesh.positions.size(),
+                 input_.file.mesh.triangles.size());
       if (isatty(STDERR_FILENO) != 0) bar.emplace(control, cycles());
     }
     result_ = make_cage(input_.file.mesh, command_.options, &control);
+    distrust_without_certificate();
     record_.status = to_string(result_->status);
     record_.message = result_->message;
   }
@@ -90,10 +98,15 @@ class CageRun {
     return options.schedule.empty() ? options.cycles : static_cast<int>(options.schedule.size());
   }
 
-  // The certificate is asked again here: nothing is written that does not carry it.
-  bool has_certified_cage() const {
-    return result_->has_cage() && result_->certificate.valid() && !result_->cage.triangles.empty();
+  // Nothing is written that does not carry its certificate, whatever the status says.
+  void distrust_without_certificate() {
+    if (!has_cage() || result_->certificate.valid()) return;
+    result_->status = Status::certificate_failed;
+    result_->message = "the cage does not carry a valid certificate";
   }
+
+  // Cancelled early enough, a run may have none.
+  bool has_cage() const { return result_->has_cage() && !result_->cage.triangles.empty(); }
 
   ExitCode write_cage() {
     const Timer timer;

@@ -34,9 +34,9 @@ std::string defects_text(const InputMesh& input, int threads) {
 
 std::string pair_text(const CheckCommand& command, const InputMesh& input, const InputMesh& cage,
                       const Certificate& certificate) {
-  std::string text = fmt::format("{}: cage of {} faces around {}, {} faces\n", input_name(cage.path),
-                                 cage.file.mesh.triangles.size(), input_name(input.path),
-                                 input.file.mesh.triangles.size());
+  std::string text =
+      fmt::format("{}: cage of {} faces around {}, {} faces\n", input_name(cage.path), cage.file.mesh.triangles.size(),
+                  input_name(input.path), input.file.mesh.triangles.size());
   text += certificate_text(certificate);
   if (certificate.valid()) return text;
   return text + defects_text(cage, command.threads) + defects_text(input, command.threads);
@@ -46,9 +46,9 @@ ExitCode check_pair(const CheckCommand& command, const InputMesh& input) {
   const InputMesh cage = read_input(command.cage, false);
   if (!cage.file.ok) return ExitCode::cannot_read;
   const Certificate certificate = certify(input.file.mesh, cage.file.mesh, command.threads);
-  return report(command.json ? certificate_json(input, cage, certificate)
-                             : pair_text(command, input, cage, certificate),
-                certificate.valid() ? ExitCode::ok : ExitCode::no_cage);
+  return report(
+      command.json ? certificate_json(input, cage, certificate) : pair_text(command, input, cage, certificate),
+      certificate.valid() ? ExitCode::ok : ExitCode::no_cage);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 namespace prcage {
 namespace {
@@ -37,6 +37,22 @@ CLI::Option* add_ratio(CLI::App& app, const std::string& name, double& value, co
   return app.add_option_function<std::string>(name, parse, help)->type_name("NUMBER");
 }
 
+// Whole decimal number of at least `least`. The parser's own conversion takes -1 as a huge unsigned number and 010 as
+// an octal one.
+template <typename Integer>
+CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, Integer least, const std::string& help) {
+  const auto parse = [name, &value, least](const std::string& text) {
+    Integer parsed{};
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, parsed);
+    if (error != std::errc{} || stop != end || parsed < least) {
+      throw CLI::ValidationError(name, fmt::format("'{}' is not a whole number of at least {}", text, least));
+    }
+    value = parsed;
+  };
+  return app.add_option_function<std::string>(name, parse, help)->type_name("N");
+}
+
 void add_format(CLI::App& app, std::optional<MeshFormat>& format) {
   const auto parse = [&format](const std::string& name) {
     if (!parse_mesh_format(name, format.emplace())) {
@@ -48,9 +64,7 @@ void add_format(CLI::App& app, std::optional<MeshFormat>& format) {
 }
 
 void add_threads(CLI::App& app, int& threads) {
-  app.add_option("--threads", threads, "Threads; 0: as many as the machine has [0]. The result is the same")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("N");
+  add_count(app, "--threads", threads, 0, "Threads; 0: as many as the machine has [0]. The result is the same");
 }
 
 void add_weld(CLI::App& app, bool& weld) {
@@ -102,9 +116,7 @@ void add_tau(CLI::App& app, Options& options) {
 }
 
 void add_schedule(CLI::App& app, Options& options) {
-  CLI::Option* cycles = app.add_option("--cycles", options.cycles, "Uniform steps in which tau is released [10]")
-                            ->check(CLI::PositiveNumber)
-                            ->type_name("N");
+  CLI::Option* cycles = add_count(app, "--cycles", options.cycles, 1, "Uniform steps in which tau is released [10]");
   app.add_option_function<std::string>(
          "--schedule", [&options](const std::string& text) { options.schedule = parse_schedule(text); },
          "The steps themselves: rising fractions of tau that end at 1, e.g. 1/8,1/4,1/2,1")
@@ -121,13 +133,12 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
       ->type_name("FILE");
   add_tau(app, command.options);
   add_schedule(app, command.options);
-  app.add_option("--faces", command.options.face_budget,
-                 "Stop at N faces (or one below, where parity demands); 0: as few as tau allows [0]")
-      ->type_name("N");
+  add_count(app, "--faces", command.options.face_budget, std::size_t{0},
+            "Stop at N faces (or one below, where parity demands); 0: as few as tau allows [0]");
   app.add_flag("--no-flips", no_flips, "Do not flip edges between the cycles");
   add_ratio(app, "--sigma", command.options.sigma, "First displacement off the input, relative to the diagonal [1e-5]");
   add_threads(app, command.options.threads);
-  app.add_option("--seed", command.options.seed, "Breaks ties between edges of equal cost [0]")->type_name("N");
+  add_count(app, "--seed", command.options.seed, std::uint64_t{0}, "Breaks ties between edges of equal cost [0]");
   app.add_flag("--flip", command.options.accept_inside_out, "Turn an inside-out input round instead of refusing it");
   add_weld(app, command.weld);
   app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails")->type_name("FILE");
@@ -163,8 +174,8 @@ void add_info(CLI::App& app, InfoCommand& command) {
 void add_make(CLI::App& app, MakeCommand& command, std::optional<MeshFormat>& format) {
   app.add_option("SHAPE", command.shape, "Name of a built-in shape (see --list)")->type_name("");
   app.add_flag("--list", command.list, "Name the shapes");
-  app.add_option("--faces", command.faces, "Faces of the mesh, roughly")->check(CLI::PositiveNumber)->type_name("N");
-  app.add_option("--seed", command.seed, "Varies the shape [0]")->type_name("N");
+  add_count(app, "--faces", command.faces, std::size_t{1}, "Faces of the mesh, roughly");
+  add_count(app, "--seed", command.seed, std::uint64_t{0}, "Varies the shape [0]");
   app.add_option("-o,--output", command.output, "Mesh to write; - writes standard output (needs --format)")
       ->type_name("FILE");
   add_format(app, format);
@@ -195,8 +206,7 @@ void add_camera(CLI::App& app, RenderOptions& options) {
 
 void add_render(CLI::App& app, RenderCommand& command, RenderSwitches& switches) {
   app.add_option("INPUT", command.input, "Mesh to draw; - reads standard input")->required()->type_name("");
-  app.add_option("CAGE", command.cage, "Its cage: draws input, cage over input and cage, side by side")
-      ->type_name("");
+  app.add_option("CAGE", command.cage, "Its cage: draws input, cage over input and cage, side by side")->type_name("");
   app.add_option("-o,--output", command.output, "PNG picture to write; - writes standard output")
       ->required()
       ->type_name("FILE");
@@ -248,7 +258,7 @@ void add_commands(CLI::App& app, Parsed& parsed) {
       ->add_option("COMMAND", parsed.help_topic, "Name of the command")
       ->type_name("");
   for (CLI::App* command : app.get_subcommands({})) command->footer(exit_codes_help);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);  // none is refused below: the parser would complain of it before a misspelt one
   app.footer(exit_codes_help);
   app.set_version_flag("--version", &version_text, "Print the version and the licences, and exit");
 }
@@ -297,6 +307,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   app.failure_message(&usage_error);
   try {
     app.parse(argc, argv);
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("A command");
     if (app.got_subcommand("help")) print_help(app, parsed.help_topic);
   } catch (const CLI::ParseError& error) {
     return {std::nullopt, app.exit(error) == 0 ? ExitCode::ok : ExitCode::usage};

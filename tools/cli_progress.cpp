@@ -36,8 +36,8 @@ std::string bar(double progress) {
 std::string progress_line(const Control& control, int cycles, double seconds) {
   const std::string stage = control.cancelled() ? "stopping" : to_string(control.stage());
   const std::string cycle = control.cycle() > 0 ? fmt::format("  cycle {}/{}", control.cycle(), cycles) : "";
-  return fmt::format("[{}] {:3.0f} %  {}{}  {} faces  {:.0f} s", bar(control.progress()), 100 * control.progress(), stage,
-                     cycle, control.faces(), seconds);
+  return fmt::format("[{}] {:3.0f} %  {}{}  {} faces  {:.0f} s", bar(control.progress()), 100 * control.progress(),
+                     stage, cycle, control.faces(), seconds);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ enum class ExitCode : int {
   face_budget_not_reached = 5,  // the cage is valid and written, but has more faces than asked for
   no_cage = 6,                  // no cage possible, or the certificate failed: nothing written
   cannot_write = 7,
-  interrupted = 130,            // the valid cage reached so far is written
+  interrupted = 130,  // the valid cage reached so far is written
 };
 
 // For the help texts.

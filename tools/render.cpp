@@ -8,6 +8,7 @@
 
 #include <embree3/rtcore.h>
 #include <png.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -16,6 +17,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -167,7 +169,7 @@ class Body {
 
   // Interpolates normals that are averaged over the faces around a vertex which make no crease with the face.
   Vec3f smooth_normal(const Hit& hit) const {
-    constexpr float crease_cosine = 0.77f;  // 40 degrees
+    constexpr float crease_cosine = 0.5f;  // 60 degrees
     const Vec3f flat = face_normal(hit.face);
     const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
     Vec3f sum = Vec3f::Zero();
@@ -215,8 +217,8 @@ class Body {
     scene_.reset(rtcNewScene(device));
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, points_.data(), 0,
-                               sizeof(Vec3f), vertex_count());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, points_.data(), 0, sizeof(Vec3f),
+                               vertex_count());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles_.data(), 0,
                                sizeof(Triangle), triangles_.size());
     rtcCommitGeometry(geometry);
@@ -512,11 +514,12 @@ class PanelRenderer {
     const float slope = ray.dot(up), height = floor_ - camera_.eye().dot(up);
     if (!style_.shadow || slope > -1e-3f || height > 0) return white;
     const Vec3f point = camera_.eye() + height / slope * ray;
-    const float strength = (1 - smoothstep(0.5f, 1.3f, (point - point.dot(up) * up).norm())) * camera_.inset(point);
+    const float strength = (1 - smoothstep(0.35f, 1.05f, (point - point.dot(up) * up).norm())) * camera_.inset(point);
     if (strength <= 0) return white;
     const Vec3f start = point + ray_offset * up;
     const Body& caster = shadow_caster();
-    const float closed = 1 - openness(caster, start, up, 0.45f, sequence), dark = 1 - key_light(caster, start, sequence);
+    const float closed = 1 - openness(caster, start, up, 0.45f, sequence),
+                dark = 1 - key_light(caster, start, sequence);
     return white - strength * (0.62f * closed + 0.10f * dark) * Vec3f(1.0f, 0.98f, 0.95f);
   }
 
@@ -677,8 +680,10 @@ bool render_png(const Mesh& input, const Mesh* cage, const RenderOptions& option
                 std::string& error) {
   if (!check_options(options, error) || !check_mesh(input, "input", error)) return false;
   if (cage != nullptr && !check_mesh(*cage, "cage", error)) return false;
-  // An arena of our own: Embree changes floating-point modes on workers, and those must not be the caller's.
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  // An arena of our own: Embree changes floating-point modes on workers, and those must not be the caller's. Embree
+  // also limits the process to the machine's threads, and TBB complains about an arena of more.
+  const int machine = tbb::info::default_concurrency();
+  tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, machine) : machine);
   const Picture picture = arena.execute([&] { return render(input, cage, options); });
   std::vector<std::uint8_t> bytes;
   if (!encode_png(picture, bytes, error)) return false;

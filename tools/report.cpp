@@ -72,7 +72,7 @@ DefectText text_of(DefectKind kind) {
       return {"degenerate face", "degenerate faces", "a face has no area and no local repair removes it",
               "collapse or delete these faces (\"remove zero area faces\" in a mesh editor)"};
     case DefectKind::inside_out:
-      return {"mesh that is inside out", "meshes that are inside out", "the faces look inward, the volume is negative",
+      return {"inside-out mesh", "inside-out meshes", "the faces look inward, the volume is negative",
               "turn the faces round, or let `prcage cage --flip` do it"};
     case DefectKind::nested_orientation:
       return {"component that contradicts its nesting", "components that contradict their nesting",
@@ -157,12 +157,15 @@ void add_check(std::string& text, const char* what, bool holds, const std::strin
   add(text, "  {:<28} {}{}\n", what, holds ? "yes" : "NO", note.empty() ? "" : " (" + note + ")");
 }
 
-std::string pairs_note(std::size_t pairs) { return pairs == 0 ? "" : counted(pairs, "pair of faces", "pairs of faces"); }
+std::string pairs_note(std::size_t pairs) {
+  return pairs == 0 ? "" : counted(pairs, "pair of faces", "pairs of faces");
+}
 
 std::string displacement_text(const Statistics& statistics) {
   std::vector<std::string> parts{fmt::format("{:.3g} to {:.3g}", statistics.sigma_min, statistics.sigma_max)};
-  add_if(parts, statistics.halved_vertices, "vertex with a halved step", "vertices with a halved step");
   add_if(parts, statistics.singular_vertices, "singular vertex", "singular vertices");
+  add_if(parts, statistics.capped_vertices, "of them capped", "of them capped");
+  add_if(parts, statistics.halved_vertices, "vertex with a halved step", "vertices with a halved step");
   return joined(parts);
 }
 
@@ -198,8 +201,9 @@ std::string validation_details(const InputMesh& input, const Validation& validat
   add_line(text, "surface",
            fmt::format("{}, {}, Euler characteristic {}", counted(validation.components, "component", "components"),
                        counted(validation.cavities, "cavity", "cavities"), validation.euler_characteristic));
-  add_line(text, "measures", fmt::format("diagonal {:.9g}, area {:.9g}, volume {:.9g}", validation.diagonal,
-                                         validation.area, validation.volume));
+  add_line(text, "measures",
+           fmt::format("diagonal {:.9g}, area {:.9g}, volume {:.9g}", validation.diagonal, validation.area,
+                       validation.volume));
   add_line(text, "reader", reader_text(input));
   add_line(text, "would drop", dropped_text(validation));
   return text;
@@ -211,7 +215,8 @@ std::string certificate_text(const Certificate& certificate) {
   add_check(text, "manifold", certificate.manifold);
   add_check(text, "consistently oriented", certificate.oriented);
   add_check(text, "no degenerate face", certificate.no_degenerate_face);
-  add_check(text, "no self-intersection", certificate.self_intersection_free, pairs_note(certificate.self_intersections));
+  add_check(text, "no self-intersection", certificate.self_intersection_free,
+            pairs_note(certificate.self_intersections));
   add_check(text, "no contact with the input", certificate.no_contact, pairs_note(certificate.contacts));
   add_check(text, "encloses the input", certificate.encloses);
   add_check(text, "same Euler characteristic", certificate.euler_characteristic_equal,
@@ -225,12 +230,13 @@ std::string run_text(const CageCommand& command, const InputMesh& input, const R
   const Statistics& statistics = result.statistics;
   std::string text = fmt::format("{} -> {}: {} -> {}\n", input_name(command.input), output_name(command.output),
                                  counted(statistics.input_faces, "face", "faces"), statistics.cage_faces);
-  add_line(text, "time", fmt::format("{:.2f} s on {}, {:.0f} MB", seconds,
-                                     counted(static_cast<std::size_t>(statistics.threads), "thread", "threads"),
-                                     static_cast<double>(statistics.peak_memory_bytes) * 1e-6));
-  add_line(text, "tau", fmt::format("{:.6g} = {:.6g} of the diagonal, {}", statistics.tau,
-                                    statistics.tau / statistics.diagonal,
-                                    command.options.tau_mode == TauMode::strict ? "strict" : "at face centroids only"));
+  add_line(text, "time",
+           fmt::format("{:.2f} s on {}, {:.0f} MB", seconds,
+                       counted(static_cast<std::size_t>(statistics.threads), "thread", "threads"),
+                       static_cast<double>(statistics.peak_memory_bytes) * 1e-6));
+  add_line(text, "tau",
+           fmt::format("{:.6g} = {:.6g} of the diagonal, {}", statistics.tau, statistics.tau / statistics.diagonal,
+                       command.options.tau_mode == TauMode::strict ? "strict" : "at face centroids only"));
   add_line(text, "displacement", displacement_text(statistics));
   add_line(text, "reader", reader_text(input));
   add_line(text, "dropped", dropped_text(result.validation));
@@ -239,13 +245,15 @@ std::string run_text(const CageCommand& command, const InputMesh& input, const R
 
 std::string info_text(const InputMesh& input, const MeshMeasures& measures) {
   std::string text = input_name(input.path) + "\n";
-  add_line(text, "format", fmt::format("{}, {} positions", to_string(input.file.format),
-                                       input.file.float_positions ? "32-bit" : "64-bit or text"));
+  add_line(text, "format",
+           fmt::format("{}, {} positions", to_string(input.file.format),
+                       input.file.float_positions ? "32-bit" : "64-bit or text"));
   add_line(text, "size", fmt::format("{} vertices, {} faces", measures.vertices, measures.faces));
   add_line(text, "reader", reader_text(input));
   if (measures.usable_faces < measures.faces) {
-    add_line(text, "not usable", counted(measures.faces - measures.usable_faces, "face", "faces") +
-                                     " (index out of range or coordinate not finite)");
+    add_line(text, "not usable",
+             counted(measures.faces - measures.usable_faces, "face", "faces") +
+                 " (index out of range or coordinate not finite)");
   }
   if (measures.referenced_vertices < measures.vertices) {
     add_line(text, "not in use", counted(measures.vertices - measures.referenced_vertices, "vertex", "vertices"));

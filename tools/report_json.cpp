@@ -16,9 +16,7 @@ constexpr int schema = 1;
 #define PRCAGE_FIELD(object, member) \
   { #member, (object).member }
 
-Json header() {
-  return {{"schema", schema}, {"tool", {{"name", "prcage"}, {"version", version()}}}};
-}
+Json header() { return {{"schema", schema}, {"tool", {{"name", "prcage"}, {"version", version()}}}}; }
 
 // File names need not be UTF-8: what is not is replaced, so that the text is always JSON.
 std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
@@ -89,17 +87,23 @@ Json json_of(const Certificate& certificate) {
 }
 
 Json json_of(const Counts& counts) {
-  return {PRCAGE_FIELD(counts, evaluated),           PRCAGE_FIELD(counts, rejected_link),
-          PRCAGE_FIELD(counts, rejected_infeasible), PRCAGE_FIELD(counts, selected),
-          PRCAGE_FIELD(counts, rejected_orientation), PRCAGE_FIELD(counts, rejected_degenerate),
-          PRCAGE_FIELD(counts, rejected_tau),        PRCAGE_FIELD(counts, rejected_cage),
-          PRCAGE_FIELD(counts, rejected_conflict),   PRCAGE_FIELD(counts, collapses),
-          PRCAGE_FIELD(counts, flips_tried),         PRCAGE_FIELD(counts, flips)};
+  return {PRCAGE_FIELD(counts, evaluated),
+          PRCAGE_FIELD(counts, rejected_link),
+          PRCAGE_FIELD(counts, rejected_infeasible),
+          PRCAGE_FIELD(counts, selected),
+          PRCAGE_FIELD(counts, rejected_orientation),
+          PRCAGE_FIELD(counts, rejected_degenerate),
+          PRCAGE_FIELD(counts, rejected_tau),
+          PRCAGE_FIELD(counts, rejected_cage),
+          PRCAGE_FIELD(counts, rejected_conflict),
+          PRCAGE_FIELD(counts, collapses),
+          PRCAGE_FIELD(counts, flips_tried),
+          PRCAGE_FIELD(counts, flips)};
 }
 
 Json json_of(const CycleStatistics& cycle) {
-  return {PRCAGE_FIELD(cycle, beta),    PRCAGE_FIELD(cycle, tau), PRCAGE_FIELD(cycle, rounds), PRCAGE_FIELD(cycle, faces),
-          PRCAGE_FIELD(cycle, seconds), {"counts", json_of(cycle.counts)}};
+  return {PRCAGE_FIELD(cycle, beta),  PRCAGE_FIELD(cycle, tau),     PRCAGE_FIELD(cycle, rounds),
+          PRCAGE_FIELD(cycle, faces), PRCAGE_FIELD(cycle, seconds), {"counts", json_of(cycle.counts)}};
 }
 
 Json json_of(const StageSeconds& seconds) {
@@ -121,6 +125,7 @@ Json json_of(const Statistics& statistics) {
           PRCAGE_FIELD(statistics, sigma_min),
           PRCAGE_FIELD(statistics, sigma_max),
           PRCAGE_FIELD(statistics, singular_vertices),
+          PRCAGE_FIELD(statistics, capped_vertices),
           PRCAGE_FIELD(statistics, halved_vertices),
           PRCAGE_FIELD(statistics, threads),
           PRCAGE_FIELD(statistics, simd),
@@ -198,7 +203,8 @@ Json json_of(const MeshMeasures& measures) {
 
 }  // namespace
 
-std::string run_json(const CageCommand& command, const InputMesh* input, const Result* result, const RunRecord& record) {
+std::string run_json(const CageCommand& command, const InputMesh* input, const Result* result,
+                     const RunRecord& record) {
   Json json = header();
   json["status"] = record.status;
   json["message"] = record.message;

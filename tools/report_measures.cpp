@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include <boost/pending/disjoint_sets.hpp>
 #include <tbb/parallel_sort.h>
+#include <boost/pending/disjoint_sets.hpp>
 
 #include "core/vec3.h"
 
@@ -24,7 +24,9 @@ class ValueRangeOf {
     sum_ += value;
     ++count_;
   }
-  ValueRange range() const { return count_ == 0 ? ValueRange{} : ValueRange{min_, sum_ / static_cast<double>(count_), max_}; }
+  ValueRange range() const {
+    return count_ == 0 ? ValueRange{} : ValueRange{min_, sum_ / static_cast<double>(count_), max_};
+  }
 
  private:
   double min_ = std::numeric_limits<double>::infinity();
@@ -105,9 +107,7 @@ std::size_t count_components(std::size_t vertex_count, const std::vector<bool>& 
 }
 
 // Angle between two sides in degrees; 0 if one of them has no length. atan2 is accurate for slivers, acos is not.
-double angle(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi;
-}
+double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi; }
 
 void measure_faces(const Mesh& mesh, const std::vector<Triangle>& triangles, MeshMeasures& measures) {
   ValueRangeOf smallest;

@@ -60,10 +60,14 @@ CosSin turn(double t) {
   }
   s *= a;
   switch (static_cast<long long>(quarter) & 3) {
-    case 0: return {c, s};
-    case 1: return {-s, c};
-    case 2: return {-c, -s};
-    default: return {s, -c};
+    case 0:
+      return {c, s};
+    case 1:
+      return {-s, c};
+    case 2:
+      return {-c, -s};
+    default:
+      return {s, -c};
   }
 }
 
@@ -403,13 +407,12 @@ class GyroidWall {
     const CosSin &x = waves_[0][i], &y = waves_[1][j], &z = waves_[2][k];
     const double wall = std::abs(x.sin * y.cos + y.sin * z.cos + z.sin * x.cos) - half_wall;
     const Vec3 p(coordinate(i), coordinate(j), coordinate(k));
-    return rounded_maximum(wall / (1.3 * 2 * pi * waves_per_unit_), p.norm() - 1);
+    return rounded_maximum(wall / (1.3 * 2 * pi * waves_per_unit_), p.norm() - 1, 0.1 / waves_per_unit_);
   }
 
  private:
   // Intersection of two solids with the edge rounded off, where a lattice would leave teeth.
-  static double rounded_maximum(double a, double b) {
-    constexpr double rounding = 0.06;
+  static double rounded_maximum(double a, double b, double rounding) {
     const double overlap = std::max(rounding - std::abs(a - b), 0.0);
     return std::max(a, b) + overlap * overlap / (4 * rounding);
   }
@@ -486,10 +489,9 @@ class Contour {
     for (unsigned c = 0; c < 4; ++c) which |= ((inside >> corners[c]) & 1) << c;
     if (which == 0 || which == 15) return;
     // Even orders of the corners, by the set that is inside: the corner or the pair that is cut off comes first.
-    static constexpr unsigned orders[16][4] = {{},           {0, 1, 2, 3}, {1, 0, 3, 2}, {0, 1, 2, 3},
-                                               {2, 0, 1, 3}, {0, 2, 3, 1}, {1, 2, 0, 3}, {3, 0, 2, 1},
-                                               {3, 0, 2, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}, {2, 0, 1, 3},
-                                               {2, 3, 0, 1}, {1, 0, 3, 2}, {0, 1, 2, 3}, {}};
+    static constexpr unsigned orders[16][4] = {
+        {},           {0, 1, 2, 3}, {1, 0, 3, 2}, {0, 1, 2, 3}, {2, 0, 1, 3}, {0, 2, 3, 1}, {1, 2, 0, 3}, {3, 0, 2, 1},
+        {3, 0, 2, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}, {2, 0, 1, 3}, {2, 3, 0, 1}, {1, 0, 3, 2}, {0, 1, 2, 3}, {}};
     const auto crossing = [&](unsigned a, unsigned b) {
       return vertex(cube, corners[orders[which][a]], corners[orders[which][b]]);
     };
@@ -575,9 +577,9 @@ void keep_largest_component(Mesh& mesh) {
 
 // As many periods as leave two lattice cells in the thickness of the wall.
 double gyroid_periods(std::size_t faces) {
-  if (faces < 30000) return 1;
-  if (faces < 90000) return 1.5;
-  return faces < 300000 ? 2 : 3;
+  if (faces < 12000) return 1;
+  if (faces < 40000) return 1.5;
+  return faces < 150000 ? 2 : 3;
 }
 
 // The number of faces goes with the inverse square of the spacing, nearly: `factor` is their product. It is measured
@@ -917,8 +919,8 @@ constexpr ShapeInfo shape_infos[] = {
     {"slabs", "two thin plates, a narrow gap apart", 40, 2, 4},
 };
 
-constexpr Mesh (*shape_makers[])(std::size_t, std::uint64_t) = {
-    make_sphere, make_bumpy, make_spikes, make_knot, make_gyroid, make_bracket, make_nested, make_slabs};
+constexpr Mesh (*shape_makers[])(std::size_t, std::uint64_t) = {make_sphere, make_bumpy,   make_spikes, make_knot,
+                                                                make_gyroid, make_bracket, make_nested, make_slabs};
 
 static_assert(std::size(shape_infos) == std::size(shape_makers));
 

@@ -1,15 +1,21 @@
-// The first step off the input (paper sec. 3.2 and DESIGN sec. 3 "Displacement"): a direction per vertex along which
-// every incident face plane moves outward at least as far as the step.
+// The first step off the input (paper sec. 3.2): a direction along which every incident face plane of a vertex moves
+// outward at least as far as the step.
 #pragma once
 
-#include <cstdint>
+#include <span>
 
 #include "core/corner_table.h"
 
 namespace prcage {
 
-// Solves min |x|^2 s.t. n_f . x >= 1 over the faces f of a vertex. Faces without a reliable normal are left out. False
-// if the vertex is singular: there is no such x, or only a very long one; the direction is then the mean normal.
+// The shortest x with n . x >= 1 for all unit normals n. False if there is none.
+bool clearing_direction(std::span<const Vec3> normals, Vec3& direction);
+
+// The clearing direction of the faces at a vertex; those without a reliable normal are left out. False if there is
+// none, a singular vertex (see vertex_cap.h); the direction is then the mean normal.
 bool displacement_direction(const CornerTable& mesh, std::uint32_t vertex, Vec3& direction);
+
+// Unit normal of the face of a halfedge, zero if the face is too thin to have a reliable one.
+Vec3 reliable_normal(const CornerTable& mesh, std::uint32_t h);
 
 }  // namespace prcage

@@ -27,8 +27,7 @@ Mesh to_mesh(const MeshView& view) {
   mesh.positions = view.scalar == Scalar::float32
                        ? copy_rows<float, double>(view.positions, view.vertex_count, view.position_stride)
                        : copy_rows<double, double>(view.positions, view.vertex_count, view.position_stride);
-  mesh.triangles =
-      copy_rows<std::uint32_t, std::uint32_t>(view.triangles, view.triangle_count, view.triangle_stride);
+  mesh.triangles = copy_rows<std::uint32_t, std::uint32_t>(view.triangles, view.triangle_count, view.triangle_stride);
   return mesh;
 }
 

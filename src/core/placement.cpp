@@ -96,11 +96,6 @@ class Gatherer {
   double constant_ = 0;
 };
 
-Position round_to_floats(const Vec3& p) {
-  return {static_cast<double>(static_cast<float>(p.x())), static_cast<double>(static_cast<float>(p.y())),
-          static_cast<double>(static_cast<float>(p.z()))};
-}
-
 void solve_placement(const PlacementSettings& settings, PlacementBatch& batch, std::size_t i) {
   batch.cost[i] = std::numeric_limits<double>::infinity();
   const Symmetric3& form = batch.form[i];

@@ -266,7 +266,8 @@ struct Statistics {
   double tau = 0;                            // absolute
   double sigma_min = 0;                      // smallest displacement step used, absolute
   double sigma_max = 0;                      // largest
-  std::size_t singular_vertices = 0;         // displacement QP infeasible: fallback direction
+  std::size_t singular_vertices = 0;         // displacement QP infeasible
+  std::size_t capped_vertices = 0;           // of those: cut off; the others moved along a mean normal
   std::size_t halved_vertices = 0;           // sigma halved for them at least once
   int threads = 0;
   std::string simd;                          // instruction set of the kernels

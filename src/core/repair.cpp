@@ -12,8 +12,11 @@ namespace {
 class Surgeon {
  public:
   Surgeon(const std::vector<Position>& positions, std::vector<Triangle> triangles, std::vector<std::uint32_t> twin)
-      : positions_(positions), triangles_(std::move(triangles)), twin_(std::move(twin)),
-        kept_(triangles_.size(), 1), tried_(triangles_.size(), 0) {}
+      : positions_(positions),
+        triangles_(std::move(triangles)),
+        twin_(std::move(twin)),
+        kept_(triangles_.size(), 1),
+        tried_(triangles_.size(), 0) {}
 
   // Removes what can be removed of the degenerate faces given, which must be all there are; leaves the others in the
   // list.

@@ -53,8 +53,7 @@ std::vector<std::uint32_t> non_manifold_vertices(std::span<const Triangle> trian
 
 // Pairs of faces on the same three vertices, {earlier, later}, in order of the later: each face that repeats an
 // earlier one comes once.
-std::vector<std::array<std::uint32_t, 2>> duplicate_faces(std::span<const Triangle> triangles,
-                                                          const EdgeGroups& edges);
+std::vector<std::array<std::uint32_t, 2>> duplicate_faces(std::span<const Triangle> triangles, const EdgeGroups& edges);
 
 // Vertices at the position of a vertex before them; -0 equals 0. Coordinates must not be NaN.
 std::size_t count_duplicate_positions(std::span<const Position> positions);

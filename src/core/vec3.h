@@ -16,4 +16,10 @@ using Triangle = std::array<std::uint32_t, 3>;
 inline Vec3 vec(const Position& p) { return {p[0], p[1], p[2]}; }
 inline Position position(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
+// The nearest point whose coordinates are floats.
+inline Position round_to_floats(const Vec3& v) {
+  return {static_cast<double>(static_cast<float>(v.x())), static_cast<double>(static_cast<float>(v.y())),
+          static_cast<double>(static_cast<float>(v.z()))};
+}
+
 }  // namespace prcage

@@ -30,7 +30,7 @@ FileBytes::FileBytes(const std::string& path) {
 }
 
 void FileBytes::read_all(int descriptor) {
-  struct stat status{};
+  struct stat status {};
   if (fstat(descriptor, &status) == 0 && S_ISDIR(status.st_mode)) {
     error_ = "is a directory, not a mesh file";
     return;

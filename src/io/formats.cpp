@@ -7,8 +7,7 @@ bool fail_expected(MeshFile& file, const TextCursor& cursor, const std::string& 
                    const char* expected) {
   const char* const advice = cursor.at_end() ? ": the file is truncated" : "";
   return fail(file, cursor,
-              element + " " + std::to_string(number) + ": expected " + expected + ", found " +
-                  cursor.found() + advice);
+              element + " " + std::to_string(number) + ": expected " + expected + ", found " + cursor.found() + advice);
 }
 
 bool read_position(TextCursor& cursor, MeshFile& file, std::size_t number, std::array<double, 3>& position) {

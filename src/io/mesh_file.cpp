@@ -87,12 +87,18 @@ std::string one_line(std::string text) {
 
 void write_as(MeshFormat format, OutputFile& out, const Mesh& mesh, const std::string& comment) {
   switch (format) {
-    case MeshFormat::ply_binary: return write_ply(out, mesh, true, comment);
-    case MeshFormat::ply_ascii: return write_ply(out, mesh, false, comment);
-    case MeshFormat::obj: return write_obj(out, mesh, comment);
-    case MeshFormat::stl_binary: return write_stl_binary(out, mesh);
-    case MeshFormat::stl_ascii: return write_stl_ascii(out, mesh);
-    case MeshFormat::off: return write_off(out, mesh, comment);
+    case MeshFormat::ply_binary:
+      return write_ply(out, mesh, true, comment);
+    case MeshFormat::ply_ascii:
+      return write_ply(out, mesh, false, comment);
+    case MeshFormat::obj:
+      return write_obj(out, mesh, comment);
+    case MeshFormat::stl_binary:
+      return write_stl_binary(out, mesh);
+    case MeshFormat::stl_ascii:
+      return write_stl_ascii(out, mesh);
+    case MeshFormat::off:
+      return write_off(out, mesh, comment);
   }
 }
 

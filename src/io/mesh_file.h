@@ -35,10 +35,10 @@ struct MeshFile {
 
   Mesh mesh;
   MeshFormat format = MeshFormat::ply_binary;
-  bool float_positions = false;        // the file held 32-bit floats (binary PLY and STL; text is read as double)
-  std::size_t polygons = 0;            // faces of the file with more than three corners, cut into fans
-  std::size_t skipped_elements = 0;    // lines, points, ... that are no faces
-  std::size_t welded_corners = 0;      // STL: corners merged into a vertex at the same position
+  bool float_positions = false;      // the file held 32-bit floats (binary PLY and STL; text is read as double)
+  std::size_t polygons = 0;          // faces of the file with more than three corners, cut into fans
+  std::size_t skipped_elements = 0;  // lines, points, ... that are no faces
+  std::size_t welded_corners = 0;    // STL: corners merged into a vertex at the same position
 };
 
 // Reads a mesh. "-" reads standard input. The mesh may be invalid in every way that validate() reports (an index

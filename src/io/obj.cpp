@@ -9,13 +9,14 @@ namespace {
 
 // Statements by which a file is recognised. While reading, other words are passed over too: programs add their own.
 constexpr std::array<std::string_view, 22> known_keywords{
-    "v",  "vt",      "vn",     "vp",     "f",      "fo",    "l",     "p",    "o",    "g",      "s",
+    "v",  "vt",     "vn",     "vp",     "f",      "fo",     "l",     "p",        "o",        "g",   "s",
     "mg", "usemtl", "mtllib", "maplib", "usemap", "cstype", "bevel", "c_interp", "d_interp", "lod", "shadow_obj"};
 
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
 bool is_keyword_like(std::string_view word) {
-  return std::all_of(word.begin(), word.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  }) && (word[0] < '0' || word[0] > '9') && word[0] != '-';
+  const auto may_follow = [](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '-'; };
+  return is_letter(word.front()) && std::all_of(word.begin(), word.end(), may_follow);
 }
 
 class ObjReader {
@@ -127,8 +128,7 @@ bool looks_like_obj(std::string_view bytes) {
   TextCursor cursor(bytes);
   cursor.skip_space_and_comments();
   const std::string_view word = cursor.read_word();
-  return std::find(known_keywords.begin(), known_keywords.end(), word) != known_keywords.end() &&
-         !cursor.at_line_end();
+  return std::find(known_keywords.begin(), known_keywords.end(), word) != known_keywords.end() && !cursor.at_line_end();
 }
 
 bool read_obj(std::string_view bytes, MeshFile& file) {

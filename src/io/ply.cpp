@@ -95,14 +95,22 @@ T load(const char* source) {
 template <class F>
 auto with_type(PlyType type, F&& f) {
   switch (type) {
-    case PlyType::int8: return f(std::int8_t{});
-    case PlyType::uint8: return f(std::uint8_t{});
-    case PlyType::int16: return f(std::int16_t{});
-    case PlyType::uint16: return f(std::uint16_t{});
-    case PlyType::int32: return f(std::int32_t{});
-    case PlyType::uint32: return f(std::uint32_t{});
-    case PlyType::float32: return f(float{});
-    case PlyType::float64: break;
+    case PlyType::int8:
+      return f(std::int8_t{});
+    case PlyType::uint8:
+      return f(std::uint8_t{});
+    case PlyType::int16:
+      return f(std::int16_t{});
+    case PlyType::uint16:
+      return f(std::uint16_t{});
+    case PlyType::int32:
+      return f(std::int32_t{});
+    case PlyType::uint32:
+      return f(std::uint32_t{});
+    case PlyType::float32:
+      return f(float{});
+    case PlyType::float64:
+      break;
   }
   return f(double{});
 }
@@ -130,9 +138,8 @@ class BinaryBody {
   bool read_vertices(const PlyElement& element) {
     Axes axes;
     if (!find_axes(element, file_, axes) || !check_size(element)) return false;
-    file_.float_positions = std::all_of(axes.begin(), axes.end(), [&](std::size_t axis) {
-      return element.properties[axis].type == PlyType::float32;
-    });
+    file_.float_positions = std::all_of(
+        axes.begin(), axes.end(), [&](std::size_t axis) { return element.properties[axis].type == PlyType::float32; });
     file_.mesh.positions.resize(element.count);
     return element.has_lists() ? walk_vertices(element, axes) : convert_vertices(element, axes);
   }

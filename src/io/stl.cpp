@@ -159,7 +159,7 @@ bool looks_like_stl_ascii(std::string_view bytes) {
 std::string stl_size_mismatch(std::string_view bytes) {
   const bool text = bytes.find('\0') == std::string_view::npos;
   if (text || bytes.size() < first_triangle) return {};
-  return "as binary STL it announces " + std::to_string(load_little(bytes.data() + header_bytes)) +
+  return "if it is binary STL, it announces " + std::to_string(load_little(bytes.data() + header_bytes)) +
          " triangles, which take " + std::to_string(announced_size(bytes)) + " bytes, but it has " +
          std::to_string(bytes.size());
 }

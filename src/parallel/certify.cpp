@@ -99,8 +99,8 @@ Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const 
   certificate.self_intersection_free = certificate.self_intersections == 0;
   certificate.contacts = contacts(surface, *input.surface, 0).count;
   certificate.no_contact = certificate.contacts == 0;
-  certificate.encloses = input.closed && t.defects.empty() && certificate.no_contact &&
-                         encloses(device, input, surface, t.components);
+  certificate.encloses =
+      input.closed && t.defects.empty() && certificate.no_contact && encloses(device, input, surface, t.components);
   return certificate;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/displacement.h"
 #include "core/distance.h"
+#include "core/vertex_cap.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -15,38 +16,66 @@ namespace {
 // Steps below 2^-30 sigma are beyond what doubles resolve at the scale of the diagonal.
 constexpr int max_halvings = 30;
 constexpr std::size_t examples = 5;
+// Radius at which a singular vertex is cut off: in steps, and as a share of its shortest edge.
+constexpr double longest_radius = 100;
+constexpr double radius_share = 0.25;
 
-// Positions of C_0 as a function of the steps.
+// The connectivity of C_0, and its positions as a function of the steps. Vertices may outnumber the input's: singular
+// ones are cut off.
 class Displacer {
  public:
-  Displacer(const Mesh& surface, const CornerTable& mesh, const DisplacementSettings& settings)
-      : surface_(surface), settings_(settings), direction_(mesh.vertex_slots()), singular_(mesh.vertex_slots(), 0) {
-    parallel_each(mesh.vertex_slots(), default_grain, [&](std::size_t v) {
-      singular_[v] = displacement_direction(mesh, static_cast<std::uint32_t>(v), direction_[v]) ? 0 : 1;
+  Displacer(const Mesh& surface, const DisplacementSettings& settings)
+      : settings_(settings), mesh_(CornerTable::from_mesh(surface)), direction_(mesh_.vertex_slots()) {
+    std::vector<std::uint8_t> regular(mesh_.vertex_slots());
+    parallel_each(mesh_.vertex_slots(), default_grain, [&](std::size_t v) {
+      regular[v] = displacement_direction(mesh_, static_cast<std::uint32_t>(v), direction_[v]) ? 1 : 0;
     });
+    for (std::uint32_t v = 0; v < regular.size(); ++v)
+      if (regular[v] == 0) cap_singular(v);
   }
+
+  const CornerTable& mesh() const { return mesh_; }  // positions are those of the input
+  std::size_t singular_vertices() const { return singular_; }
+  std::size_t capped_vertices() const { return capped_; }
 
   double first_step(std::size_t v) const {
     return std::min(settings_.step, settings_.longest_move / std::max(1.0, direction_[v].norm()));
   }
 
   Position moved(std::size_t v, double step) const {
-    const Vec3 p = vec(surface_.positions[v]) + step * direction_[v];
-    if (!settings_.float_positions) return position(p);
-    Position rounded;
-    for (int k = 0; k < 3; ++k) rounded[static_cast<std::size_t>(k)] = static_cast<double>(static_cast<float>(p[k]));
-    return rounded;
-  }
-
-  std::size_t singular_count() const {
-    return static_cast<std::size_t>(std::count(singular_.begin(), singular_.end(), 1));
+    const Vec3 p = vec(mesh_.position[v]) + step * direction_[v];
+    return settings_.float_positions ? round_to_floats(p) : position(p);
   }
 
  private:
-  const Mesh& surface_;
+  // Cuts the vertex off; each point of the ring only has the two faces beside its edge to clear.
+  void cap_singular(std::uint32_t v) {
+    ++singular_;
+    const VertexCap cap = plan_cap(mesh_, v);
+    if (cap.empty()) return;  // keeps its mean normal
+    ++capped_;
+    const std::size_t n = cap.fan.size();
+    std::vector<Vec3> normal;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t h : cap.fan) {
+      normal.push_back(reliable_normal(mesh_, h));
+      shortest = std::min(shortest, (mesh_.vec_at(mesh_.target(h)) - mesh_.vec_at(v)).norm());
+    }
+    const std::vector<std::uint32_t> ring =
+        cap_vertex(mesh_, cap, std::min(longest_radius * settings_.step, radius_share * shortest));
+    direction_.resize(mesh_.vertex_slots());
+    if (cap.keeps_centre) direction_[v] = cap.centre_direction;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::array<Vec3, 2> beside{normal[i], normal[(i + n - 1) % n]};
+      if (!clearing_direction(beside, direction_[ring[i]])) direction_[ring[i]] = (beside[0] + beside[1]).normalized();
+    }
+  }
+
   const DisplacementSettings& settings_;
+  CornerTable mesh_;
   std::vector<Vec3> direction_;
-  std::vector<std::uint8_t> singular_;
+  std::size_t singular_ = 0;
+  std::size_t capped_ = 0;
 };
 
 struct Conflicts {
@@ -55,22 +84,30 @@ struct Conflicts {
   bool none() const { return self.count == 0 && input.count == 0; }
 };
 
+// The faces of a corner table without dead ones as triples of vertices.
+std::span<const Triangle> triangles_of(const CornerTable& mesh) {
+  static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+  return {reinterpret_cast<const Triangle*>(mesh.corner_vertex.data()), mesh.face_slots()};
+}
+
 // Conflicts of the cage's faces in `changed` (all if it is empty).
-Conflicts find_conflicts(const std::vector<Position>& positions, const std::vector<Triangle>& triangles,
-                         const SurfaceTree& input, std::span<const std::uint8_t> changed, const TreeDevice& device) {
+Conflicts find_conflicts(const CornerTable& mesh, const SurfaceTree& input, std::span<const std::uint8_t> changed,
+                         const TreeDevice& device) {
   SurfaceTree cage(device);
-  cage.build(input.frame(), positions, triangles, TreeQuality::fast_build);
+  cage.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build);
   if (changed.empty()) return {self_intersections(cage), contacts(cage, input)};
   SurfaceTree part(device);
-  part.build(input.frame(), positions, triangles, TreeQuality::fast_build, changed);
+  part.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, changed);
   return {self_intersections(cage, part, changed), contacts(part, input)};
 }
 
 // Halves the step at the corners of all faces in conflict. Returns the vertices that changed.
-std::vector<std::uint32_t> halve_at(const Conflicts& conflicts, const std::vector<Triangle>& triangles,
-                                    std::vector<double>& step) {
+std::vector<std::uint32_t> halve_at(const Conflicts& conflicts, const CornerTable& mesh, std::vector<double>& step) {
   std::vector<std::uint32_t> vertices;
-  const auto add_face = [&](std::uint32_t f) { vertices.insert(vertices.end(), triangles[f].begin(), triangles[f].end()); };
+  const auto add_face = [&](std::uint32_t f) {
+    const Triangle& t = triangles_of(mesh)[f];
+    vertices.insert(vertices.end(), t.begin(), t.end());
+  };
   for (const auto& [f, g] : conflicts.self.pairs) {
     add_face(f);
     add_face(g);
@@ -89,27 +126,25 @@ std::vector<std::uint8_t> faces_at(const std::vector<std::uint32_t>& vertices, c
 }
 
 // Distance of a displaced face's centroid to the face it comes from: an upper bound of its distance to the input.
-double centroid_distance(const Mesh& surface, const std::vector<Position>& moved, std::size_t f) {
-  const Triangle& t = surface.triangles[f];
-  const Vec3 centroid = (vec(moved[t[0]]) + vec(moved[t[1]]) + vec(moved[t[2]])) / 3;
-  return (centroid - closest_point(centroid, vec(surface.positions[t[0]]), vec(surface.positions[t[1]]),
-                                   vec(surface.positions[t[2]])))
-      .norm();
+double centroid_distance(const CornerTable& from, const CornerTable& moved, std::size_t f) {
+  const Triangle& t = triangles_of(from)[f];
+  const Vec3 centroid = (moved.vec_at(t[0]) + moved.vec_at(t[1]) + moved.vec_at(t[2])) / 3;
+  return (centroid - closest_point(centroid, from.vec_at(t[0]), from.vec_at(t[1]), from.vec_at(t[2]))).norm();
 }
 
-void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
-  const std::size_t faces = surface.triangles.size();
+void fill_state(const CornerTable& from, const UnitFrame& frame, CageState& state) {
+  const CornerTable& mesh = state.mesh;
+  const std::size_t faces = mesh.face_slots();
   state.live_faces = faces;
   state.face_distance.resize(faces);
   state.face_box.resize(faces);
   state.face_owner.assign(faces, none);
   state.edge_cost.assign(3 * faces, std::numeric_limits<float>::infinity());
-  state.dirty.assign(surface.positions.size(), 1);
-  const std::vector<Position>& moved = state.mesh.position;
+  state.dirty.assign(mesh.vertex_slots(), 1);
   parallel_each(faces, default_grain, [&](std::size_t f) {
-    const Triangle& t = surface.triangles[f];
-    state.face_distance[f] = round_distance_up(centroid_distance(surface, moved, f));
-    state.face_box[f] = bounding_box(frame, {moved[t[0]].data(), moved[t[1]].data(), moved[t[2]].data()});
+    const Triangle& t = triangles_of(mesh)[f];
+    state.face_distance[f] = round_distance_up(centroid_distance(from, mesh, f));
+    state.face_box[f] = bounding_box(frame, {mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])});
   });
 }
 
@@ -121,13 +156,14 @@ void keep_examples(FacePairs& pairs) {
 
 InitialCage displace(const Mesh& surface, const SurfaceTree& input, const DisplacementSettings& settings,
                      const TreeDevice& device) {
+  const Displacer displacer(surface, settings);
   InitialCage result;
+  result.singular_vertices = displacer.singular_vertices();
+  result.capped_vertices = displacer.capped_vertices();
   CornerTable& mesh = result.state.mesh;
-  mesh = CornerTable::from_mesh(surface);
-  const Displacer displacer(surface, mesh, settings);
-  result.singular_vertices = displacer.singular_count();
+  mesh = displacer.mesh();
 
-  const std::size_t vertices = surface.positions.size();
+  const std::size_t vertices = mesh.vertex_slots();
   result.step.resize(vertices);
   parallel_each(vertices, default_grain, [&](std::size_t v) {
     result.step[v] = displacer.first_step(v);
@@ -135,14 +171,14 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   });
 
   std::vector<std::uint8_t> was_halved(vertices, 0);
-  Conflicts conflicts = find_conflicts(mesh.position, surface.triangles, input, {}, device);
+  Conflicts conflicts = find_conflicts(mesh, input, {}, device);
   for (int halving = 0; halving < max_halvings && !conflicts.none(); ++halving) {
-    const std::vector<std::uint32_t> changed = halve_at(conflicts, surface.triangles, result.step);
+    const std::vector<std::uint32_t> changed = halve_at(conflicts, mesh, result.step);
     for (const std::uint32_t v : changed) {
       was_halved[v] = 1;
       mesh.position[v] = displacer.moved(v, result.step[v]);
     }
-    conflicts = find_conflicts(mesh.position, surface.triangles, input, faces_at(changed, mesh), device);
+    conflicts = find_conflicts(mesh, input, faces_at(changed, mesh), device);
   }
   result.halved_vertices = static_cast<std::size_t>(std::count(was_halved.begin(), was_halved.end(), 1));
   result.valid = conflicts.none();
@@ -150,7 +186,7 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   result.contacts = std::move(conflicts.input);
   keep_examples(result.self_intersections);
   keep_examples(result.contacts);
-  fill_state(surface, input.frame(), result.state);
+  fill_state(displacer.mesh(), input.frame(), result.state);
   return result;
 }
 

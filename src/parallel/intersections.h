@@ -48,8 +48,8 @@ class SurfaceTree {
 inline constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
 
 struct FacePairs {
-  std::size_t count = 0;                               // of all pairs, whatever the limit
-  std::vector<std::array<std::uint32_t, 2>> pairs;     // ascending; the lowest ones if there are more than the limit
+  std::size_t count = 0;                            // of all pairs, whatever the limit
+  std::vector<std::array<std::uint32_t, 2>> pairs;  // ascending; the lowest ones if there are more than the limit
 };
 
 // Pairs i < j of faces of the surface in improper_contact(). Degenerate faces must have been left out.

@@ -183,7 +183,8 @@ bool Validator::check_coordinates() {
   std::vector<std::uint32_t> too_large;
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     if (within_limits(positions[v])) continue;
-    const bool finite = std::all_of(positions[v].begin(), positions[v].end(), [](double x) { return std::isfinite(x); });
+    const bool finite =
+        std::all_of(positions[v].begin(), positions[v].end(), [](double x) { return std::isfinite(x); });
     (finite ? too_large : not_finite).push_back(v);
   }
   const auto example = [&](std::uint32_t v) { return vertex_example(v); };

@@ -71,11 +71,20 @@ struct Tally {
 
   void add(Meeting meeting) {
     switch (meeting) {
-      case Meeting::none: break;
-      case Meeting::outward: crossings.fetch_add(1, std::memory_order_relaxed); break;
-      case Meeting::inward: crossings.fetch_sub(1, std::memory_order_relaxed); break;
-      case Meeting::degenerate: degenerate.store(true, std::memory_order_relaxed); break;
-      case Meeting::on_surface: on_surface.store(true, std::memory_order_relaxed); break;
+      case Meeting::none:
+        break;
+      case Meeting::outward:
+        crossings.fetch_add(1, std::memory_order_relaxed);
+        break;
+      case Meeting::inward:
+        crossings.fetch_sub(1, std::memory_order_relaxed);
+        break;
+      case Meeting::degenerate:
+        degenerate.store(true, std::memory_order_relaxed);
+        break;
+      case Meeting::on_surface:
+        on_surface.store(true, std::memory_order_relaxed);
+        break;
     }
   }
 };

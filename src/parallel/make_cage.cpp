@@ -1,0 +1,200 @@
+// The pipeline behind make_cage(): validate, displace, run the engine, certify from scratch.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+
+#include "core/mesh_view.h"
+#include "core/schedule.h"
+#include "parallel/arena.h"
+#include "parallel/certify.h"
+#include "parallel/engine.h"
+#include "parallel/initial_cage.h"
+#include "parallel/stopwatch.h"
+#include "parallel/validate.h"
+
+namespace prcage {
+namespace {
+
+// The longest first move in steps: vertices between nearly antiparallel faces would otherwise go very far.
+constexpr double longest_move = 50;
+// Of the first cycle's tau, so that C_0 lies well within it.
+constexpr double longest_move_of_tau = 0.5;
+
+std::uint64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string describe(double x) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", x);
+  return text.data();
+}
+
+void report(Control* control, Control::Stage stage, std::size_t faces, double progress) {
+  if (control != nullptr) control->report(stage, 0, faces, progress);
+}
+
+// Where C_0 could not be freed of conflicts, for people.
+std::string displacement_message(const InitialCage& cage, const Mesh& surface) {
+  const bool contact = cage.contacts.count > 0;
+  const FacePairs& pairs = contact ? cage.contacts : cage.self_intersections;
+  const auto face = pairs.pairs[0][contact ? 1 : 0];
+  const Position& p = surface.positions[surface.triangles[std::min<std::size_t>(face, surface.triangles.size() - 1)][0]];
+  return "the input cannot be moved off itself without a collision: " +
+         std::to_string(cage.contacts.count + cage.self_intersections.count) + " pairs of faces stay in conflict, e.g. near (" +
+         describe(p[0]) + ", " + describe(p[1]) + ", " + describe(p[2]) +
+         "); sheets may be too close to each other there for double precision, or a vertex too singular";
+}
+
+class Pipeline {
+ public:
+  Pipeline(const MeshView& input, const Options& options, Control* control, Result& result)
+      : input_(input), options_(options), control_(control), result_(result) {}
+
+  void run() {
+    report(control_, Control::Stage::validate, input_.triangle_count, 0);
+    {
+      const Stopwatch watch(seconds().validate);
+      checked_ = std::make_unique<CheckedMesh>(validate_mesh(to_mesh(input_), device_, options_.accept_inside_out));
+      result_.validation = checked_->validation;
+    }
+    describe_input();
+    if (!checked_->validation.valid()) {
+      fail(Status::invalid_input, "the input is not a legal mesh: see the defects");
+      return;
+    }
+    InitialCage first = displaced();
+    if (!first.valid) {
+      fail(Status::displacement_failed, displacement_message(first, valid().surface.mesh));
+      return;
+    }
+    collapse(first.state);
+    finish(first.state);
+  }
+
+ private:
+  StageSeconds& seconds() { return result_.statistics.seconds; }
+  const ValidSurface& valid() const { return checked_->valid; }
+
+  void fail(Status status, std::string message) {
+    result_.status = status;
+    result_.message = std::move(message);
+  }
+
+  void describe_input() {
+    Statistics& s = result_.statistics;
+    s.diagonal = result_.validation.diagonal;
+    s.tau = options_.tau_absolute > 0 ? options_.tau_absolute : options_.tau * s.diagonal;
+  }
+
+  InitialCage displaced() {
+    report(control_, Control::Stage::displace, valid().surface.mesh.triangles.size(), 0.03);
+    const Stopwatch watch(seconds().displace);
+    Statistics& s = result_.statistics;
+    DisplacementSettings settings;
+    settings.step = options_.sigma * s.diagonal;
+    settings.longest_move =
+        std::min(longest_move * settings.step, longest_move_of_tau * schedule_of(options_).front() * s.tau);
+    settings.float_positions = options_.precision == Precision::float32;
+    InitialCage first = displace(valid().surface.mesh, valid().tree, settings, device_);
+    s.singular_vertices = first.singular_vertices;
+    s.capped_vertices = first.capped_vertices;
+    s.halved_vertices = first.halved_vertices;
+    const auto [low, high] = std::minmax_element(first.step.begin(), first.step.end());
+    s.sigma_min = *low;
+    s.sigma_max = *high;
+    return first;
+  }
+
+  void collapse(CageState& state) {
+    const Mesh& surface = valid().surface.mesh;
+    DistanceBand band(surface.positions, surface.triangles, valid().tree.frame(), valid().tree.tree());
+    Statistics& s = result_.statistics;
+    const EngineContext context{&options_, s.diagonal, s.tau, valid().tree.frame(), &device_, &band, control_, &s};
+    outcome_ = run_engine(state, context);
+    s.band_voxels = band.voxels_filled();
+  }
+
+  void finish(const CageState& state) {
+    Mesh cage = state.mesh.to_mesh();
+    Statistics& s = result_.statistics;
+    s.cage_vertices = cage.positions.size();
+    s.cage_faces = cage.triangles.size();
+    report(control_, Control::Stage::certify, s.cage_faces, 0.95);
+    {
+      const Stopwatch watch(seconds().certify);
+      result_.certificate = certify_cage(device_, enclosed(*checked_), cage);
+    }
+    if (!result_.certificate.valid()) {
+      fail(Status::certificate_failed, "the cage failed its certificate; this is a defect of prcage, please report it");
+      return;
+    }
+    result_.cage = std::move(cage);
+    conclude();
+    report(control_, Control::Stage::done, s.cage_faces, 1);
+  }
+
+  void conclude() {
+    switch (outcome_) {
+      case EngineOutcome::cancelled:
+        fail(Status::cancelled, "cancelled; the cage is valid but not finished");
+        break;
+      case EngineOutcome::schedule_finished:
+        if (options_.face_budget != 0) {
+          fail(Status::face_budget_not_reached, "tau allows no fewer than " + std::to_string(result_.statistics.cage_faces) +
+                                                    " faces; a larger tau allows fewer");
+          break;
+        }
+        [[fallthrough]];
+      case EngineOutcome::budget_reached:
+        result_.status = Status::ok;
+    }
+  }
+
+  const MeshView& input_;
+  const Options& options_;
+  Control* control_;
+  Result& result_;
+  TreeDevice device_;
+  std::unique_ptr<CheckedMesh> checked_;
+  EngineOutcome outcome_ = EngineOutcome::schedule_finished;
+};
+
+}  // namespace
+
+Result make_cage(const MeshView& input, const Options& options, Control* control) {
+  Result result;
+  Statistics& s = result.statistics;
+  s.input_vertices = input.vertex_count;
+  s.input_faces = input.triangle_count;
+  s.simd = "scalar";
+  if (const std::string error = options_error(options); !error.empty()) {
+    result.status = Status::invalid_options;
+    result.message = error;
+    return result;
+  }
+  {
+    const Stopwatch watch(s.seconds.total);
+    try {
+      Arena arena(options.threads);
+      s.threads = arena.threads();
+      arena.run([&] { Pipeline(input, options, control, result).run(); });
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& e) {
+      result = Result{};
+      result.message = e.what();
+    }
+  }
+  result.statistics.peak_memory_bytes = peak_memory_bytes();
+  return result;
+}
+
+}  // namespace prcage

@@ -1,0 +1,638 @@
+// The program as people and scripts use it: run as a process, judged by its exit code, its two output streams and
+// the files that it leaves.
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/prcage.h"
+#include "io/mesh_file.h"
+#include "tools/cli_options.h"
+#include "tools/exit_codes.h"
+#include "tools/report_measures.h"
+
+namespace prcage {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+std::string contents(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// A program under way. Its streams are files, so that it can never block on a pipe that nobody reads.
+class Process {
+ public:
+  Process(std::vector<std::string> arguments, const std::string& in, const std::string& out, const std::string& err) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, in.c_str(), O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    arguments.insert(arguments.begin(), PRCAGE_PROGRAM);
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    const int error = posix_spawn(&id_, PRCAGE_PROGRAM, &actions, nullptr, pointers.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (error != 0) throw std::system_error(error, std::generic_category(), PRCAGE_PROGRAM);
+  }
+
+  void send(int signal) const { kill(id_, signal); }
+
+  // The exit code, or minus the number of the signal that ended the process.
+  int wait() {
+    int status = 0;
+    waitpid(id_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+  // Sends a signal again and again: two that are pending at once would count as one.
+  int wait_sending(int signal) {
+    siginfo_t ended{};
+    while (waitid(P_PID, static_cast<id_t>(id_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0) {
+      send(signal);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return wait();
+  }
+
+ private:
+  pid_t id_ = 0;
+};
+
+struct Outcome {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+constexpr int code(ExitCode exit_code) { return static_cast<int>(exit_code); }
+
+// Cube with the corners 0 and 1: 12 faces, counterclockwise seen from outside.
+Mesh cube() {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.positions.push_back(
+        {static_cast<double>(i & 1), static_cast<double>(i >> 1 & 1), static_cast<double>(i >> 2)});
+  }
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+// Each test in a directory of its own, which is removed afterwards.
+class Cli : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = testing::TempDir() + "/prcage_cli_XXXXXX";
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    directory_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(directory_); }
+
+  std::string path(const std::string& name) const { return directory_ + "/" + name; }
+
+  // Writes a mesh under a name whose extension says the format.
+  std::string file(const std::string& name, const Mesh& mesh) const {
+    MeshFormat format{};
+    EXPECT_TRUE(mesh_format_of_path(name, format));
+    EXPECT_TRUE(write_mesh(path(name), format, mesh).ok);
+    return path(name);
+  }
+
+  std::string shape(const std::string& name, int faces) const {
+    const std::string made = path(name + ".ply");
+    EXPECT_EQ(run({"make", name, "--faces", std::to_string(faces), "-o", made}).code, code(ExitCode::ok));
+    return made;
+  }
+
+  Process start(const std::vector<std::string>& arguments, const std::string& in = "/dev/null") const {
+    return {arguments, in, path("stdout"), path("stderr")};
+  }
+
+  Outcome run(const std::vector<std::string>& arguments, const std::string& in = "/dev/null") const {
+    const int exit_code = start(arguments, in).wait();
+    return {exit_code, contents(path("stdout")), contents(path("stderr"))};
+  }
+
+  json stats(const std::string& name) const { return json::parse(contents(path(name))); }
+
+  bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
+
+  // Names of what is in the directory, beside the streams.
+  std::vector<std::string> left_behind() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(directory_)) {
+      const std::string name = entry.path().filename();
+      if (name != "stdout" && name != "stderr") names.push_back(name);
+    }
+    return names;
+  }
+
+  void expect_usage_error(const std::vector<std::string>& arguments, const std::string& mentions) const {
+    const Outcome outcome = run(arguments);
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    EXPECT_EQ(outcome.code, code(ExitCode::usage));
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(outcome.err, AllOf(StartsWith("prcage: error: "), HasSubstr(mentions)));
+  }
+
+ private:
+  std::string directory_;
+};
+
+// ------------------------------------------------------------------------------------------------ numbers
+
+TEST(ParseRatio, ReadsDecimalsAndFractionsToTheNearestDouble) {
+  double value = 0;
+  for (const auto& [text, expected] : std::vector<std::pair<std::string, double>>{
+           {"1/40", 1.0 / 40}, {"0.025", 0.025}, {"2.5e-2", 0.025}, {"1/3", 1.0 / 3}, {"2", 2.0}, {"0.5/4", 0.125}}) {
+    ASSERT_TRUE(parse_ratio(text, value)) << text;
+    EXPECT_EQ(value, expected) << text;
+  }
+}
+
+TEST(ParseRatio, RefusesEverythingElseAndLeavesTheValueAlone) {
+  double value = 7;
+  for (const char* text : {"",      "/",     "1/", "/40", "1/0", "0",     "0/3",   "-1/40", "1/-40", "-1",
+                           "1/40x", "1 /40", "x",  "nan", "inf", "1/inf", "1e999", "1/2/3", "+1",    "0x1"}) {
+    EXPECT_FALSE(parse_ratio(text, value)) << text;
+  }
+  EXPECT_EQ(value, 7);
+}
+
+// ------------------------------------------------------------------------------------------ help and usage
+
+TEST_F(Cli, HelpAndVersionGoToStandardOutput) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--help"}, {"help"}, {"cage", "--help"}, {"help", "cage"}, {"help", "make"}, {"--version"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code(ExitCode::ok)) << testing::PrintToString(arguments);
+    EXPECT_THAT(outcome.err, IsEmpty());
+    EXPECT_THAT(outcome.out, HasSubstr("prcage"));
+  }
+  EXPECT_THAT(run({"--version"}).out, AllOf(HasSubstr(version()), HasSubstr("Apache-2.0")));
+  EXPECT_EQ(run({"help", "cage"}).out, run({"cage", "--help"}).out);
+}
+
+TEST_F(Cli, HelpDocumentsEveryOptionAndExitCode) {
+  const std::string help = run({"help", "cage"}).out;
+  for (const char* option :
+       {"--output", "--tau", "--tau-abs", "--tau-mode", "--cycles", "--schedule", "--faces", "--no-flips", "--sigma",
+        "--threads", "--seed", "--flip", "--weld", "--stats", "--format", "--quiet", "130"}) {
+    EXPECT_THAT(help, HasSubstr(option));
+  }
+}
+
+TEST_F(Cli, UnknownOrMissingArgumentsAreUsageErrors) {
+  const std::string in = file("in.ply", cube());
+  expect_usage_error({}, "required");
+  expect_usage_error({"explode"}, "explode");
+  expect_usage_error({"help", "explode"}, "explode");
+  expect_usage_error({"cage", in}, "--output");
+  expect_usage_error({"cage", "-o", path("out.ply")}, "INPUT");
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--explode"}, "--explode");
+  expect_usage_error({"cage", in, "another.ply", "-o", path("out.ply")}, "another.ply");
+  expect_usage_error({"check", in, "--explode"}, "--explode");
+  expect_usage_error({"info"}, "FILE");
+  expect_usage_error({"make", "sphere", "-o", path("out.ply")}, "--faces");
+  expect_usage_error({"make", "sphere", "--faces", "100"}, "--output");
+  expect_usage_error({"make", "no_such_shape", "--faces", "100", "-o", path("out.ply")}, "no_such_shape");
+  EXPECT_THAT(left_behind(), testing::ElementsAre("in.ply"));
+}
+
+TEST_F(Cli, MalformedValuesAreUsageErrors) {
+  const std::string in = file("in.ply", cube());
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"--tau", "1/0"},      {"--tau", "fat"},    {"--tau", "-0.1"},    {"--tau-abs", "0"},
+      {"--tau-mode", "lax"}, {"--cycles", "0"},   {"--cycles", "many"}, {"--schedule", "0.5,0.25,1"},
+      {"--schedule", "0.5"}, {"--schedule", ""},  {"--faces", "-3"},    {"--faces", "1.5"},
+      {"--sigma", "0"},      {"--threads", "-1"}, {"--seed", "x"},      {"--seed", "-1"},
+      {"--threads", "0x2"},  {"--format", "docx"}};
+  for (const auto& [option, value] : cases) {
+    expect_usage_error({"cage", in, "-o", path("out.ply"), option, value}, option);
+  }
+  EXPECT_FALSE(exists("out.ply"));
+}
+
+TEST_F(Cli, OptionsThatContradictEachOtherAreUsageErrors) {
+  const std::string in = file("in.ply", cube());
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--tau", "1/40", "--tau-abs", "1"}, "--tau");
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--cycles", "4", "--schedule", "1"}, "--cycles");
+  expect_usage_error({"cage", in, "-o", "-", "--format", "ply", "--stats", "-"}, "--stats");
+  expect_usage_error({"check", "-", "--cage", "-"}, "--cage");
+}
+
+TEST_F(Cli, TheOutputFormatMustBeKnownBeforeTheRun) {
+  const std::string in = file("in.ply", cube());
+  expect_usage_error({"cage", in, "-o", path("out.xyz")}, "--format");
+  expect_usage_error({"cage", in, "-o", "-"}, "--format");
+}
+
+TEST_F(Cli, OptionsOutOfTheLibrarysRangeAreUsageErrors) {
+  const Outcome outcome = run({"cage", file("in.ply", cube()), "-o", path("out.ply"), "--tau", "2"});
+  EXPECT_EQ(outcome.code, code(ExitCode::usage));
+  EXPECT_THAT(outcome.err, HasSubstr("tau"));
+  EXPECT_FALSE(exists("out.ply"));
+}
+
+// ------------------------------------------------------------------------------------------ reading, writing
+
+TEST_F(Cli, WhatCannotBeReadIsNamed) {
+  for (const char* command : {"info", "check"}) {
+    const Outcome outcome = run({command, path("nowhere.ply")});
+    EXPECT_EQ(outcome.code, code(ExitCode::cannot_read));
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(outcome.err, HasSubstr("nowhere.ply"));
+  }
+  std::ofstream(path("poem.obj")) << "Shall I compare thee to a summer's day?\n";
+  EXPECT_EQ(run({"check", path("poem.obj")}).code, code(ExitCode::cannot_read));
+  EXPECT_EQ(run({"check", file("in.ply", cube()), "--cage", path("nowhere.ply")}).code, code(ExitCode::cannot_read));
+}
+
+TEST_F(Cli, AFailedReadIsInTheStatistics) {
+  const Outcome outcome = run({"cage", path("nowhere.ply"), "-o", path("out.ply"), "--stats", path("stats.json")});
+  EXPECT_EQ(outcome.code, code(ExitCode::cannot_read));
+  EXPECT_THAT(left_behind(), testing::ElementsAre("stats.json"));
+  const json statistics = stats("stats.json");
+  EXPECT_EQ(statistics["status"], "cannot_read");
+  EXPECT_EQ(statistics["exit_code"], code(ExitCode::cannot_read));
+  EXPECT_EQ(statistics["cage_written"], false);
+  EXPECT_THAT(statistics["message"].get<std::string>(), HasSubstr("nowhere.ply"));
+  EXPECT_FALSE(statistics.contains("certificate"));
+}
+
+TEST_F(Cli, WhatCannotBeWrittenIsSaidBeforeTheRun) {
+  const std::string in = file("in.ply", cube());
+  const Outcome outcome = run({"cage", in, "-o", path("nowhere/out.ply"), "--stats", path("stats.json")});
+  EXPECT_EQ(outcome.code, code(ExitCode::cannot_write));
+  EXPECT_THAT(outcome.err, HasSubstr("nowhere/out.ply"));
+  EXPECT_EQ(stats("stats.json")["status"], "cannot_write");
+  EXPECT_FALSE(stats("stats.json").contains("statistics"));
+  EXPECT_EQ(run({"cage", in, "-o", path("in.ply/out.ply")}).code, code(ExitCode::cannot_write));
+  EXPECT_EQ(run({"cage", in, "-o", path("out.ply"), "--stats", path("nowhere/s.json")}).code,
+            code(ExitCode::cannot_write));
+  EXPECT_FALSE(exists("out.ply"));
+  EXPECT_EQ(run({"make", "sphere", "--faces", "100", "-o", path("nowhere/out.ply")}).code,
+            code(ExitCode::cannot_write));
+}
+
+TEST_F(Cli, AFullStandardOutputIsAWriteError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  const std::string in = file("in.ply", cube());
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"info", in}, {"check", in, "--json"}, {"make", "--list"}, {"cage", in, "-o", "-", "--format", "obj"}}) {
+    EXPECT_EQ(Process(arguments, "/dev/null", "/dev/full", path("stderr")).wait(), code(ExitCode::cannot_write));
+    EXPECT_THAT(contents(path("stderr")), HasSubstr("standard output")) << testing::PrintToString(arguments);
+  }
+}
+
+// ------------------------------------------------------------------------------------------------ info, make
+
+TEST_F(Cli, InfoDescribesAFile) {
+  const std::string in = file("in.off", cube());
+  const Outcome text = run({"info", in});
+  EXPECT_EQ(text.code, code(ExitCode::ok));
+  EXPECT_THAT(text.err, IsEmpty());
+  EXPECT_THAT(text.out, AllOf(HasSubstr("in.off"), HasSubstr("8 vertices, 12 faces"), HasSubstr("1 component")));
+
+  const json info = json::parse(run({"info", "--json", "-"}, in).out);
+  EXPECT_EQ(info["file"]["path"], "-");
+  EXPECT_EQ(info["file"]["format"], "off");
+  EXPECT_DOUBLE_EQ(info["measures"]["volume"], 1.0);
+  EXPECT_EQ(info["measures"]["area"], 6.0);
+  EXPECT_EQ(info["measures"]["edges"], 18);
+  EXPECT_EQ(info["measures"]["euler_characteristic"], 2);
+}
+
+TEST(Measure, OfACube) {
+  const MeshMeasures measures = measure(cube());
+  EXPECT_EQ(measures.components, 1u);
+  EXPECT_EQ(measures.boundary_edges, 0u);
+  EXPECT_EQ(measures.diagonal, std::sqrt(3.0));
+  EXPECT_EQ(measures.edge_length.min, 1);
+  EXPECT_EQ(measures.edge_length.max, std::sqrt(2.0));
+  EXPECT_DOUBLE_EQ(measures.smallest_angle.min, 45);
+  EXPECT_DOUBLE_EQ(measures.largest_angle, 90);
+}
+
+TEST(Measure, SurvivesFacesThatAreNotUsable) {
+  Mesh mesh = cube();
+  mesh.positions.push_back({NAN, 0, 0});
+  mesh.positions.push_back({50, 50, 50});
+  mesh.triangles.push_back({0, 1, 8});
+  mesh.triangles.push_back({0, 1, 99});
+  const MeshMeasures measures = measure(mesh);
+  EXPECT_EQ(measures.faces, 14u);
+  EXPECT_EQ(measures.usable_faces, 12u);
+  EXPECT_EQ(measures.referenced_vertices, 8u);
+  EXPECT_DOUBLE_EQ(measures.volume, 1);
+  EXPECT_EQ(measures.upper[0], 1);
+  EXPECT_EQ(measure(Mesh{}).components, 0u);
+}
+
+TEST_F(Cli, MakeListsItsShapesAndMakesThem) {
+  EXPECT_THAT(run({"make", "--list"}).out, AllOf(HasSubstr("bumpy"), HasSubstr("gyroid"), HasSubstr("bracket")));
+  EXPECT_EQ(run({"check", shape("knot", 500)}).code, code(ExitCode::ok));
+  const Outcome piped = run({"make", "bumpy", "--faces", "200", "--seed", "3", "-o", "-", "--format", "off"});
+  EXPECT_EQ(piped.code, code(ExitCode::ok));
+  EXPECT_THAT(piped.out, StartsWith("OFF"));
+  EXPECT_NE(piped.out, run({"make", "bumpy", "--faces", "200", "--seed", "4", "-o", "-", "--format", "off"}).out);
+}
+
+// ---------------------------------------------------------------------------------------------------- check
+
+TEST_F(Cli, CheckOfAValidMesh) {
+  const std::string in = file("in.ply", cube());
+  const Outcome text = run({"check", in});
+  EXPECT_EQ(text.code, code(ExitCode::ok));
+  EXPECT_THAT(text.out, HasSubstr("in.ply: valid input"));
+  EXPECT_THAT(text.err, IsEmpty());
+  const json report = json::parse(run({"check", in, "--json"}).out);
+  EXPECT_EQ(report["schema"], 1);
+  EXPECT_EQ(report["tool"]["version"], version());
+  EXPECT_EQ(report["validation"]["valid"], true);
+  EXPECT_DOUBLE_EQ(report["validation"]["volume"], 1.0);
+}
+
+TEST_F(Cli, CheckNamesTheDefectTheElementsAndTheRemedy) {
+  Mesh open = cube();
+  open.triangles.pop_back();
+  const std::string in = file("open.ply", open);
+  const Outcome text = run({"check", in});
+  EXPECT_EQ(text.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(text.err, IsEmpty());
+  EXPECT_THAT(text.out, AllOf(HasSubstr("open.ply"), HasSubstr("3 boundary edges"), HasSubstr("face 10, "),
+                              HasSubstr("close the holes"), Not(HasSubstr("--weld"))));
+  const Outcome machine = run({"check", in, "--json"});
+  EXPECT_EQ(machine.code, code(ExitCode::invalid_mesh));
+  const json defects = json::parse(machine.out)["validation"]["defects"];
+  ASSERT_EQ(defects.size(), 1u);
+  EXPECT_EQ(defects[0]["kind"], "boundary_edge");
+  EXPECT_EQ(defects[0]["count"], 3);
+  EXPECT_EQ(defects[0]["examples"].size(), 3u);
+}
+
+TEST_F(Cli, CheckOfAPair) {
+  const std::string in = shape("bumpy", 500);
+  ASSERT_EQ(run({"cage", in, "-o", path("cage.obj"), "--quiet"}).code, code(ExitCode::ok));
+  const Outcome good = run({"check", in, "--cage", path("cage.obj")});
+  EXPECT_EQ(good.code, code(ExitCode::ok));
+  EXPECT_THAT(good.out, AllOf(HasSubstr("certificate: valid"), Not(HasSubstr("NO"))));
+
+  const Outcome touching = run({"check", in, "--cage", in, "--json"});
+  EXPECT_EQ(touching.code, code(ExitCode::no_cage));
+  const json certificate = json::parse(touching.out)["certificate"];
+  EXPECT_EQ(certificate["valid"], false);
+  EXPECT_EQ(certificate["no_contact"], false);
+  EXPECT_GT(certificate["contacts"], 0);
+  EXPECT_EQ(certificate["closed"], true);
+}
+
+TEST_F(Cli, CheckOfAPairSaysWhatIsWrongWithTheCage) {
+  Mesh open = cube();
+  for (auto& p : open.positions) {
+    for (double& x : p) x = 3 * x - 1;
+  }
+  open.triangles.pop_back();
+  const Outcome outcome = run({"check", file("in.ply", cube()), "--cage", file("open.ply", open)});
+  EXPECT_EQ(outcome.code, code(ExitCode::no_cage));
+  EXPECT_THAT(outcome.out,
+              AllOf(HasSubstr("NOT VALID"), HasSubstr("open.ply: not a valid input"), HasSubstr("3 boundary edges")));
+}
+
+// ----------------------------------------------------------------------------------------------------- cage
+
+TEST_F(Cli, CageWritesTheCageAndTellsPeopleOnStandardError) {
+  const std::string in = shape("bumpy", 2000);
+  const Outcome outcome = run({"cage", in, "-o", path("cage.ply")});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok));
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("certificate: valid"), Not(HasSubstr("\r")), Not(HasSubstr("\x1b"))));
+  const MeshFile cage = read_mesh(path("cage.ply"));
+  ASSERT_TRUE(cage.ok);
+  EXPECT_LT(cage.mesh.triangles.size(), 1000u);
+  EXPECT_EQ(run({"check", in, "--cage", path("cage.ply")}).code, code(ExitCode::ok));
+}
+
+TEST_F(Cli, QuietIsQuiet) {
+  const Outcome outcome = run({"cage", shape("bumpy", 500), "-o", path("cage.ply"), "--quiet"});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok));
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, IsEmpty());
+}
+
+TEST_F(Cli, StandardInputToStandardOutput) {
+  const std::string in = shape("bumpy", 500);
+  const Outcome piped = run({"cage", "-", "-o", "-", "--format", "ply"}, in);
+  EXPECT_EQ(piped.code, code(ExitCode::ok));
+  ASSERT_EQ(run({"cage", in, "-o", path("cage.ply")}).code, code(ExitCode::ok));
+  EXPECT_EQ(piped.out, contents(path("cage.ply")));
+}
+
+TEST_F(Cli, AFractionIsTheSameAsItsDecimal) {
+  const std::string in = shape("bumpy", 500);
+  const Outcome fraction = run({"cage", in, "-o", "-", "--format", "off", "--tau", "1/16", "--stats", path("s.json")});
+  const Outcome decimal = run({"cage", in, "-o", "-", "--format", "off", "--tau", "0.0625"});
+  EXPECT_EQ(fraction.code, code(ExitCode::ok));
+  EXPECT_EQ(fraction.out, decimal.out);
+  const json statistics = stats("s.json");
+  EXPECT_EQ(statistics["options"]["tau"], 1.0 / 16);
+  EXPECT_EQ(statistics["statistics"]["tau"], statistics["statistics"]["diagonal"].get<double>() / 16);
+}
+
+TEST_F(Cli, StatisticsHoldTheRun) {
+  const std::string in = shape("bumpy", 2000);
+  ASSERT_EQ(run({"cage", in, "-o", path("cage.stl"), "--stats", path("s.json"), "--tau-abs", "0.25", "--schedule",
+                 "1/4,1/2,1", "--no-flips", "--threads", "2", "--seed", "9", "--tau-mode", "paper"})
+                .code,
+            code(ExitCode::ok));
+  const json record = stats("s.json");
+  EXPECT_EQ(record["status"], "ok");
+  EXPECT_EQ(record["exit_code"], 0);
+  EXPECT_EQ(record["cage_written"], true);
+  EXPECT_EQ(record["options"]["tau_absolute"], 0.25);
+  EXPECT_EQ(record["options"]["tau"], 0.25 / record["statistics"]["diagonal"].get<double>());
+  EXPECT_EQ(record["options"]["schedule"], json({0.25, 0.5, 1.0}));
+  EXPECT_EQ(record["options"]["cycles"], 3);
+  EXPECT_EQ(record["options"]["flips"], false);
+  EXPECT_EQ(record["options"]["seed"], 9);
+  EXPECT_EQ(record["options"]["tau_mode"], "paper");
+  EXPECT_EQ(record["options"]["precision"], "float32") << "binary STL holds floats";
+  EXPECT_EQ(record["statistics"]["threads"], 2);
+  EXPECT_EQ(record["statistics"]["cycles"].size(), 3u);
+  EXPECT_EQ(record["statistics"]["input_faces"], record["input"]["faces"]);
+  EXPECT_EQ(record["statistics"]["cage_faces"], read_mesh(path("cage.stl")).mesh.triangles.size());
+  EXPECT_GT(record["statistics"]["counts"]["collapses"], 0);
+  EXPECT_EQ(record["statistics"]["counts"]["flips_tried"], 0);
+  EXPECT_GT(record["statistics"]["peak_memory_bytes"], 0);
+  EXPECT_GT(record["seconds"]["read"], 0);
+  EXPECT_GT(record["seconds"]["write"], 0);
+  EXPECT_GE(record["seconds"]["total"], record["statistics"]["seconds"]["total"]);
+  EXPECT_EQ(record["certificate"]["valid"], true);
+  EXPECT_EQ(record["validation"]["valid"], true);
+}
+
+TEST_F(Cli, TheDefaultScheduleIsWrittenOut) {
+  ASSERT_EQ(
+      run({"cage", file("in.ply", cube()), "-o", path("cage.ply"), "--stats", path("s.json"), "--cycles", "4"}).code,
+      code(ExitCode::ok));
+  EXPECT_EQ(stats("s.json")["options"]["schedule"], json({0.25, 0.5, 0.75, 1.0}));
+}
+
+TEST_F(Cli, TheContentHashDependsOnTheMeshAndNotOnTheFormat) {
+  const auto hash = [this](const std::string& mesh) {
+    return json::parse(run({"info", "--json", mesh}).out)["file"]["content_hash"].get<std::string>();
+  };
+  Mesh moved = cube();
+  moved.positions[3][1] = 1.5;
+  const std::string original = hash(file("a.ply", cube()));
+  EXPECT_THAT(original, StartsWith("xxh3_64:"));
+  EXPECT_EQ(original, hash(file("b.obj", cube())));
+  EXPECT_NE(original, hash(file("c.ply", moved)));
+}
+
+TEST_F(Cli, InvalidInputLeavesOnlyStatistics) {
+  Mesh open = cube();
+  open.triangles.pop_back();
+  const Outcome outcome =
+      run({"cage", file("open.ply", open), "-o", path("cage.ply"), "--stats", path("s.json"), "--quiet"});
+  EXPECT_EQ(outcome.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("open.ply"), HasSubstr("boundary edges"), HasSubstr("close the holes")));
+  EXPECT_THAT(left_behind(), testing::UnorderedElementsAre("open.ply", "s.json"));
+  EXPECT_EQ(stats("s.json")["status"], "invalid_input");
+  EXPECT_EQ(stats("s.json")["validation"]["defects"][0]["kind"], "boundary_edge");
+}
+
+TEST_F(Cli, AFailureDoesNotTouchAnOlderFile) {
+  Mesh open = cube();
+  open.triangles.pop_back();
+  const std::string older = file("cage.ply", cube());
+  const std::string before = contents(older);
+  EXPECT_EQ(run({"cage", file("open.ply", open), "-o", older}).code, code(ExitCode::invalid_mesh));
+  EXPECT_EQ(contents(older), before);
+}
+
+TEST_F(Cli, AnInsideOutInputIsRefusedUnlessFlipped) {
+  Mesh inside_out = cube();
+  for (auto& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
+  const std::string in = file("in.ply", inside_out);
+  const Outcome refused = run({"cage", in, "-o", path("cage.ply")});
+  EXPECT_EQ(refused.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("inside-out"), HasSubstr("--flip")));
+  EXPECT_EQ(run({"cage", in, "-o", path("cage.ply"), "--flip"}).code, code(ExitCode::ok));
+  EXPECT_GT(measure(read_mesh(path("cage.ply")).mesh).volume, 1);
+}
+
+TEST_F(Cli, AnUnweldedInputIsRefusedUnlessWelded) {
+  const Mesh welded = cube();
+  Mesh soup;
+  for (const auto& triangle : welded.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    for (const std::uint32_t v : triangle) soup.positions.push_back(welded.positions[v]);
+    soup.triangles.push_back({first, first + 1, first + 2});
+  }
+  const std::string in = file("soup.ply", soup);
+  const Outcome refused = run({"cage", in, "-o", path("cage.ply")});
+  EXPECT_EQ(refused.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(refused.err, HasSubstr("try --weld: merging vertices at equal positions closes 36 of 36 boundary edges"));
+  const Outcome accepted = run({"cage", in, "-o", path("cage.ply"), "--weld", "--stats", path("s.json")});
+  EXPECT_EQ(accepted.code, code(ExitCode::ok));
+  EXPECT_THAT(accepted.err, HasSubstr("28 vertices welded"));
+  EXPECT_EQ(stats("s.json")["input"]["welded_vertices"], 28);
+  EXPECT_EQ(run({"check", in, "--weld", "--cage", path("cage.ply")}).code, code(ExitCode::ok));
+}
+
+TEST_F(Cli, WhatIsDroppedIsSaid) {
+  Mesh mesh = cube();
+  mesh.positions.push_back({5, 5, 5});
+  const Outcome outcome = run({"cage", file("in.ply", mesh), "-o", path("cage.ply")});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok));
+  EXPECT_THAT(outcome.err, HasSubstr("1 unreferenced vertex"));
+}
+
+TEST_F(Cli, AFaceBudgetIsMetOrSaidNotToBe) {
+  const std::string in = shape("bumpy", 2000);
+  ASSERT_EQ(run({"cage", in, "-o", path("cage.ply"), "--faces", "1000"}).code, code(ExitCode::ok));
+  EXPECT_EQ(read_mesh(path("cage.ply")).mesh.triangles.size(), 1000u);
+
+  const Outcome missed = run({"cage", in, "-o", path("tight.ply"), "--faces", "4", "--tau", "1/200", "--quiet"});
+  EXPECT_EQ(missed.code, code(ExitCode::face_budget_not_reached));
+  EXPECT_THAT(missed.err, HasSubstr("face budget not reached"));
+  EXPECT_EQ(run({"check", in, "--cage", path("tight.ply")}).code, code(ExitCode::ok));
+}
+
+// ------------------------------------------------------------------------------------------------- interrupt
+
+// The program says the size of its input when it starts to listen to signals.
+bool wait_for_start(const std::string& stderr_path) {
+  using namespace std::chrono_literals;
+  for (int i = 0; i < 3000; ++i) {
+    if (contents(stderr_path).find(" faces\n") != std::string::npos) return true;
+    std::this_thread::sleep_for(10ms);
+  }
+  return false;
+}
+
+class Interrupted : public Cli, public testing::WithParamInterface<int> {};
+
+TEST_P(Interrupted, WritesTheValidCageReachedSoFar) {
+  const std::string in = shape("bumpy", 60000);
+  Process process = start({"cage", in, "-o", path("cage.ply"), "--stats", path("s.json")});
+  ASSERT_TRUE(wait_for_start(path("stderr")));
+  process.send(GetParam());
+  EXPECT_EQ(process.wait(), code(ExitCode::interrupted));
+  EXPECT_THAT(contents(path("stderr")), HasSubstr("interrupted: the cage reached so far"));
+  EXPECT_EQ(stats("s.json")["status"], "cancelled");
+  EXPECT_EQ(stats("s.json")["cage_written"], true);
+  EXPECT_EQ(run({"check", in, "--cage", path("cage.ply")}).code, code(ExitCode::ok));
+}
+
+INSTANTIATE_TEST_SUITE_P(Cli, Interrupted, testing::Values(SIGINT, SIGTERM));
+
+TEST_F(Cli, ASecondInterruptEndsTheProcessAtOnce) {
+  Process process = start({"cage", shape("bumpy", 60000), "-o", path("cage.ply")});
+  ASSERT_TRUE(wait_for_start(path("stderr")));
+  EXPECT_EQ(process.wait_sending(SIGINT), -SIGINT);
+  EXPECT_FALSE(exists("cage.ply"));
+}
+
+// --------------------------------------------------------------------------------------------------- render
+
+TEST_F(Cli, RenderWritesAPicture) {
+  const std::string in = file("in.ply", cube());
+  EXPECT_EQ(run({"render", in, in, "-o", path("p.png"), "--width", "96", "--height", "64", "--samples", "1"}).code,
+            code(ExitCode::ok));
+  EXPECT_THAT(contents(path("p.png")), StartsWith("\x89PNG"));
+  std::ofstream(path("broken.off")) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 77\n";
+  const Outcome refused = run({"render", path("broken.off"), "-o", path("q.png")});
+  EXPECT_EQ(refused.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(refused.err, HasSubstr("broken.off"));
+  EXPECT_FALSE(exists("q.png"));
+}
+
+}  // namespace
+}  // namespace prcage
