@@ -566,6 +566,22 @@ TEST_F(Cli, AnUnweldedInputIsRefusedUnlessWelded) {
   EXPECT_EQ(run({"check", in, "--weld", "--cage", path("cage.ply")}).code, code(ExitCode::ok));
 }
 
+// The cube with one corner split in two at the same position, and a face of no area in the crack.
+TEST_F(Cli, FacesThatWeldingCollapsesAreRemovedAndCounted) {
+  Mesh split = cube();
+  split.positions.push_back(split.positions[0]);
+  split.triangles[0] = {8, 2, 3};
+  split.triangles.push_back({0, 8, 3});
+  const std::string in = file("split.ply", split);
+  const Outcome outcome = run({"cage", in, "-o", path("cage.ply"), "--weld", "--stats", path("s.json")});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok));
+  EXPECT_THAT(outcome.err, HasSubstr("1 face removed that welding collapsed"));
+  EXPECT_EQ(stats("s.json")["input"]["faces"], 13);
+  EXPECT_EQ(stats("s.json")["input"]["collapsed_faces"], 1);
+  EXPECT_EQ(stats("s.json")["statistics"]["input_faces"], 12);
+  EXPECT_EQ(run({"check", file("split.stl", split)}).code, code(ExitCode::ok));
+}
+
 TEST_F(Cli, WhatIsDroppedIsSaid) {
   Mesh mesh = cube();
   mesh.positions.push_back({5, 5, 5});

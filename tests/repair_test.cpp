@@ -191,6 +191,17 @@ TEST(Repair, KeepsATetrahedron) {
   EXPECT_EQ(result.collapses, 0u);
 }
 
+// A flat tetrahedron: the flip of the cap's long edge would double the edge between the other two vertices.
+TEST(Repair, KeepsAFlatTetrahedron) {
+  Mesh mesh = testing::tetrahedron();
+  mesh.positions[3] = {0.5, 0, 0};
+  ASSERT_EQ(find_degenerate(mesh).size(), 1u);
+  const Repair result = repair(mesh);
+  expect_same_solid(mesh, result);
+  EXPECT_EQ(result.surface.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(result.degenerate.size(), 1u);
+}
+
 // A triangular tube with a waist of circumference zero, three vertices at one point: edges of the waist are no
 // triangle of the surface, so collapsing one closes off the tube.
 TEST(Repair, KeepsAPinchedTube) {

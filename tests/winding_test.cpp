@@ -98,6 +98,29 @@ TEST(Winding, ZeroAreaFacesDoNotCount) {
   EXPECT_EQ(numbers(mesh, {{0, 0, 0}, {0.5, 0.125, 0.25}, middle}), (std::vector<int>{1, 1, 999}));
 }
 
+// Coordinates so coarse that segments start out exactly parallel to an axis: through diagonals of faces, along edges
+// and in planes of faces.
+TEST(Winding, SegmentsThatMeetEdgesAndVertices) {
+  const double far = 9e14;
+  Mesh mesh;
+  std::vector<Position> points;
+  std::vector<int> expected;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) {
+        const Position centre{far + 128 * i, far + 128 * j, far + 128 * k};
+        mesh = testing::merge(mesh, testing::cube(64, centre));
+        mesh = testing::merge(mesh, testing::inside_out(testing::cube(16, centre)));
+        points.push_back(centre);
+        expected.push_back(0);
+        points.push_back({centre[0] + 16, centre[1] + 8, centre[2] + 8});
+        expected.push_back(1);
+        points.push_back({centre[0] + 64, centre[1] + 32, centre[2] + 32});
+        expected.push_back(0);
+      }
+  EXPECT_EQ(numbers(mesh, points), expected);
+}
+
 // Neither the origin nor the scale of the mesh matters.
 TEST(Winding, FarAndSmall) {
   for (const double scale : {1e-50, 1e14}) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <vector>
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -23,6 +24,11 @@ std::uint64_t content_hash(const Mesh& mesh) {
   XXH3_64bits_update(state.get(), mesh.positions.data(), mesh.positions.size() * sizeof(mesh.positions[0]));
   XXH3_64bits_update(state.get(), mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
   return XXH3_64bits_digest(state.get());
+}
+
+// A face on fewer than three vertices covers nothing: the faces beside it meet where it was.
+std::size_t remove_collapsed_faces(Mesh& mesh) {
+  return std::erase_if(mesh.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
 }
 
 ExitCode print_text(const std::string& text) {
@@ -50,8 +56,10 @@ InputMesh read_input(const std::string& path, bool weld) {
     return input;
   }
   input.file_vertices = input.file.mesh.positions.size();
+  input.file_faces = input.file.mesh.triangles.size();
   input.content_hash = content_hash(input.file.mesh);
   if (weld) input.welded_vertices = weld_equal_positions(input.file.mesh);
+  if (weld || input.file.welded_corners > 0) input.collapsed_faces = remove_collapsed_faces(input.file.mesh);
   input.seconds = timer.seconds();
   return input;
 }

@@ -23,8 +23,10 @@ class Timer {
 struct InputMesh {
   std::string path;
   MeshFile file;
-  std::size_t file_vertices = 0;    // before --weld
+  std::size_t file_vertices = 0;    // as read
+  std::size_t file_faces = 0;       // as read
   std::size_t welded_vertices = 0;  // merged by --weld
+  std::size_t collapsed_faces = 0;  // removed: welding, also that of STL corners, left them an edge or a point
   std::uint64_t content_hash = 0;   // XXH3-64 of the positions as doubles, then the vertex indices, before --weld
   double seconds = 0;
 };

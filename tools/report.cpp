@@ -136,6 +136,7 @@ std::string reader_text(const InputMesh& input) {
   add_if(parts, input.file.skipped_elements, "element skipped that is no face", "elements skipped that are no faces");
   add_if(parts, input.file.welded_corners, "STL corner welded", "STL corners welded");
   add_if(parts, input.welded_vertices, "vertex welded", "vertices welded");
+  add_if(parts, input.collapsed_faces, "face removed that welding collapsed", "faces removed that welding collapsed");
   return joined(parts);
 }
 

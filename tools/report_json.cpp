@@ -25,13 +25,14 @@ Json json_of(const InputMesh& input) {
   return {{"path", input.path},
           {"format", to_string(input.file.format)},
           {"vertices", input.file_vertices},
-          {"faces", input.file.mesh.triangles.size()},
+          {"faces", input.file_faces},
           {"content_hash", fmt::format("xxh3_64:{:016x}", input.content_hash)},
           PRCAGE_FIELD(input.file, float_positions),
           PRCAGE_FIELD(input.file, polygons),
           PRCAGE_FIELD(input.file, skipped_elements),
           PRCAGE_FIELD(input.file, welded_corners),
-          PRCAGE_FIELD(input, welded_vertices)};
+          PRCAGE_FIELD(input, welded_vertices),
+          PRCAGE_FIELD(input, collapsed_faces)};
 }
 
 Json json_of(const std::array<std::uint32_t, 2>& elements) {

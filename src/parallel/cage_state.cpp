@@ -27,6 +27,7 @@ void compact_if_sparse(CageState& state, double live_share) {
       state.edge_cost[3 * i + k] = state.edge_cost[3 * std::size_t{kept.faces[i]} + k];
   state.edge_cost.resize(3 * kept.faces.size());
   keep(state.face_distance, kept.faces);
+  keep(state.face_near, kept.faces);
   keep(state.face_box, kept.faces);
   keep(state.dirty, kept.vertices);
   state.face_owner.assign(kept.faces.size(), none);

@@ -125,25 +125,35 @@ std::vector<std::uint8_t> faces_at(const std::vector<std::uint32_t>& vertices, c
   return flagged;
 }
 
-// Distance of a displaced face's centroid to the face it comes from: an upper bound of its distance to the input.
-double centroid_distance(const CornerTable& from, const CornerTable& moved, std::size_t f) {
-  const Triangle& t = triangles_of(from)[f];
-  const Vec3 centroid = (moved.vec_at(t[0]) + moved.vec_at(t[1]) + moved.vec_at(t[2])) / 3;
-  return (centroid - closest_point(centroid, from.vec_at(t[0]), from.vec_at(t[1]), from.vec_at(t[2]))).norm();
+// A face of the surface beside face f of the cage: itself, or for a face of a cap one at a vertex of it.
+std::uint32_t face_beside(const CornerTable& mesh, std::uint32_t f, std::size_t surface_faces) {
+  std::uint32_t found = f;
+  for (std::uint32_t h = 3 * f; found >= surface_faces && h < 3 * f + 3; ++h)
+    for_each_outgoing(mesh, mesh.origin(h), [&](std::uint32_t g) { found = std::min(found, g / 3); });
+  return found < surface_faces ? found : 0;
 }
 
-void fill_state(const CornerTable& from, const UnitFrame& frame, CageState& state) {
+double distance_to_face(const Mesh& surface, std::uint32_t face, const Vec3& x) {
+  const Triangle& t = surface.triangles[face];
+  return (x - closest_point(x, vec(surface.positions[t[0]]), vec(surface.positions[t[1]]), vec(surface.positions[t[2]])))
+      .norm();
+}
+
+void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
   const CornerTable& mesh = state.mesh;
   const std::size_t faces = mesh.face_slots();
   state.live_faces = faces;
   state.face_distance.resize(faces);
+  state.face_near.resize(faces);
   state.face_box.resize(faces);
   state.face_owner.assign(faces, none);
   state.edge_cost.assign(3 * faces, std::numeric_limits<float>::infinity());
   state.dirty.assign(mesh.vertex_slots(), 1);
   parallel_each(faces, default_grain, [&](std::size_t f) {
     const Triangle& t = triangles_of(mesh)[f];
-    state.face_distance[f] = round_distance_up(centroid_distance(from, mesh, f));
+    const Vec3 centroid = (mesh.vec_at(t[0]) + mesh.vec_at(t[1]) + mesh.vec_at(t[2])) / 3;
+    state.face_near[f] = face_beside(mesh, static_cast<std::uint32_t>(f), surface.triangles.size());
+    state.face_distance[f] = round_distance_up(distance_to_face(surface, state.face_near[f], centroid));
     state.face_box[f] = bounding_box(frame, {mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])});
   });
 }
@@ -186,7 +196,7 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   result.contacts = std::move(conflicts.input);
   keep_examples(result.self_intersections);
   keep_examples(result.contacts);
-  fill_state(displacer.mesh(), input.frame(), result.state);
+  fill_state(surface, input.frame(), result.state);
   return result;
 }
 

@@ -3,6 +3,8 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "core/predicates.h"
 #include "parallel/parallel_for.h"
@@ -11,6 +13,8 @@ namespace prcage {
 namespace {
 
 constexpr std::size_t patch_grain = 16;
+// Share of tau below which a distance is near enough to the true one: eq. 4 loses at most this share of its room.
+constexpr double near_enough = 0.1;
 
 // Offsets of consecutive runs of the given lengths, one more than there are runs.
 template <class Length>
@@ -35,7 +39,7 @@ void allocate_faces(PatchBatch& batch) {
   batch.face.resize(triangles);
   batch.triangle.resize(triangles);
   batch.patch_of.resize(triangles);
-  batch.distance.assign(triangles, 0);
+  batch.near.resize(triangles);
 }
 
 void place_collapses(const CageState& state, const PlacementSettings& settings, PatchBatch& batch) {
@@ -116,6 +120,43 @@ bool proper_patch(const CornerTable& mesh, const PatchBatch& batch, std::size_t 
 
 Vec3 corner(const TriangleRef& t, int i) { return {t.p[i][0], t.p[i][1], t.p[i][2]}; }
 
+// The input face nearest to x among those known for the faces that new face t replaces: itself and the faces next to it
+// in the star, and the two that die.
+DistanceBand::Near near_by_star(const CageState& state, const DistanceBand& band, const PatchBatch& batch,
+                                std::size_t t, const Vec3& x) {
+  const auto removed = batch.removed_faces(batch.patch_of[t]);
+  const auto own = static_cast<std::size_t>(std::find(removed.begin(), removed.end(), batch.face[t]) - removed.begin());
+  DistanceBand::Near best{none, std::numeric_limits<double>::infinity()};
+  std::uint32_t last = none;
+  for (const std::size_t i : {own, own - 1, own + 1, std::size_t{0}, std::size_t{1}}) {
+    if (i >= removed.size()) continue;
+    const std::uint32_t face = state.face_near[removed[i]];
+    if (face == last || face == best.face) continue;
+    last = face;
+    if (const double d = band.distance_to_face(x, face); d < best.distance) best = {face, d};
+  }
+  return best;
+}
+
+// Is new face t within tau for sure, and which input face is near its centroid? What the star knows answers while faces
+// are small against tau; the band answers the rest.
+bool measure_face(const CageState& state, DistanceBand& band, double tau, TauMode mode, PatchBatch& batch,
+                  std::size_t t) {
+  const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
+  const std::array<Vec3, 3> corners{corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
+  const Vec3 centroid = (corners[0] + corners[1] + corners[2]) / 3;
+  DistanceBand::Near& near = batch.near[t];
+  near = near_by_star(state, band, batch, t, centroid);
+  const auto beside_near = [&](const Vec3& x) { return band.distance_to_face(x, near.face) <= tau; };
+  if (mode == TauMode::strict && !std::all_of(corners.begin(), corners.end(), beside_near) &&
+      !band.within(corners[0], corners[1], corners[2], tau))
+    return false;
+  if (near.distance > near_enough * tau) {
+    if (const DistanceBand::Near found = band.near(centroid); found.distance < near.distance) near = found;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::size_t PatchBatch::count(Verdict v) const {
@@ -170,13 +211,9 @@ void test_patches_against_band(const CageState& state, DistanceBand& band, doubl
   parallel_each(batch.size(), patch_grain, [&](std::size_t i) {
     if (!batch.alive(i)) return;
     for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
-      const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
-      const Vec3 a = corner(triangle, 0), b = corner(triangle, 1), c = corner(triangle, 2);
-      if (mode == TauMode::strict && !band.within(a, b, c, tau)) {
-        batch.verdict[i] = Verdict::beyond_tau;
-        return;
-      }
-      batch.distance[t] = round_distance_up(band.near((a + b + c) / 3).distance);
+      if (measure_face(state, band, tau, mode, batch, t)) continue;
+      batch.verdict[i] = Verdict::beyond_tau;
+      return;
     }
   });
   band.absorb();

@@ -37,7 +37,7 @@ struct PatchBatch {
   std::vector<std::uint32_t> face;
   std::vector<Triangle> triangle;
   std::vector<std::uint32_t> patch_of;  // of each triangle
-  std::vector<float> distance;          // upper bound of d(c_f, M) of each triangle
+  std::vector<DistanceBand::Near> near;  // of each triangle's centroid
 
   std::size_t size() const { return candidate.size(); }
   std::span<const std::uint32_t> removed_faces(std::size_t i) const {
@@ -61,7 +61,7 @@ PatchBatch build_flips(const CageState& state, const std::vector<Candidate>& sel
 // new face is degenerate; no patch meets itself.
 void test_patches_locally(const CageState& state, PatchBatch& batch);
 
-// Fills in distances. In strict mode rejects patches that are not proved to lie within tau.
+// Finds an input face near each new centroid. In strict mode rejects patches that are not proved to lie within tau.
 void test_patches_against_band(const CageState& state, DistanceBand& band, double tau, TauMode mode,
                                PatchBatch& batch);
 

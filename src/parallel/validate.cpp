@@ -266,7 +266,7 @@ void Validator::check_orientation(bool self_intersecting) {
   const auto legal = [](const Nesting& n) { return n.bounds_solid(); };
   const auto legal_if_turned = [](const Nesting& n) { return n.turned().bounds_solid(); };
   if (!std::all_of(nest.begin(), nest.end(), legal) && std::all_of(nest.begin(), nest.end(), legal_if_turned)) {
-    if (!accept_inside_out_ || !out_.validation.valid()) {
+    if (!accept_inside_out_) {
       report(DefectKind::inside_out, 1, {face_example(0)});
       return;
     }

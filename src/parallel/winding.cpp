@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <numeric>
 
 #include "core/predicates.h"
@@ -10,11 +11,13 @@
 namespace prcage {
 namespace {
 
-// Enough by far: one new direction in millions of random ones is degenerate.
+// Enough by far: a random segment is degenerate once in millions of times, unless it leans by less than the precision
+// of the coordinates.
 constexpr int max_attempts = 64;
 
-// How far a segment leans from its axis, relative to the diagonal of the bounding box.
-constexpr double lean = 1e-5;
+// How far a segment leans from its axis, relative to the diagonal of the bounding box: little at first, so that its
+// box is thin.
+double lean(int attempt) { return std::min(std::ldexp(1e-5, attempt), 0.5); }
 
 std::uint64_t mix(std::uint64_t x) {  // splitmix64
   x += 0x9e3779b97f4a7c15u;
@@ -38,22 +41,20 @@ Position far_end(const Position& point, const Extent& box, std::uint64_t query, 
     if (k == axis)
       x = up ? box.upper[k] + beyond : box.lower[k] - beyond;
     else
-      x += (unit_random(seed + 3 + static_cast<std::uint64_t>(k)) - 0.5) * 2 * lean * (1 + attempt) * diagonal;
+      x += (unit_random(seed + 3 + static_cast<std::uint64_t>(k)) - 0.5) * 2 * lean(attempt) * diagonal;
   }
   return end;
 }
 
 enum class Meeting { none, outward, inward, degenerate, on_surface };
 
-// How the segment from p to the far end q, which is off the surface, meets a closed triangle.
+// How the segment from p to the far end q, which is off the surface, meets a closed triangle of a closed surface. One
+// that lies in the plane of the segment, or has no area, is met only across an edge: a neighbour that does not lie so
+// reports that.
 Meeting meet(const double* p, const double* q, const double* a, const double* b, const double* c) {
   const int at_p = exact::orient3d(a, b, c, p);
   const int at_q = exact::orient3d(a, b, c, q);
   if (at_p == 0 && exact::segment_triangle_intersect(p, p, a, b, c)) return Meeting::on_surface;
-  if (at_p == 0 && at_q == 0) {
-    // Who crosses a zero-area face crosses an edge of its neighbours.
-    return exact::collinear(a, b, c) ? Meeting::none : Meeting::degenerate;
-  }
   if (at_p == 0 || at_q == 0 || at_p == at_q) return Meeting::none;
   const int ab = exact::orient3d(p, q, a, b);
   const int bc = exact::orient3d(p, q, b, c);
