@@ -170,7 +170,7 @@ struct Options {
   bool flips = true;          // edge flips after each cycle (paper sec. 3.2)
   double sigma = 1e-5;        // first displacement off the input, relative to l (paper sec. 3.2)
   std::uint64_t seed = 0;     // breaks ties between candidates of equal cost
-  int threads = 0;            // 0: as many as the machine has
+  int threads = 0;            // 0: as many as the machine has; TBB's limit of the process holds
   bool accept_inside_out = false;  // turn an inside-out input round instead of refusing it
 
   // Precision in which the caller will store the result. float32 keeps every vertex of the run on a float, so

@@ -1,6 +1,9 @@
 #include "parallel/arena.h"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+
+#include <algorithm>
 
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -19,7 +22,12 @@ unsigned float_state() { return 0; }
 void set_float_state(unsigned) {}
 #endif
 
-int resolve(int threads) { return threads > 0 ? threads : tbb::this_task_arena::max_concurrency(); }
+// More than the process allows would only make TBB complain; the limit itself is the host's.
+int resolve(int threads) {
+  if (threads <= 0) return tbb::this_task_arena::max_concurrency();
+  const auto limit = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(threads, static_cast<int>(limit));
+}
 
 }  // namespace
 

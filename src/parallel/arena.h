@@ -9,7 +9,7 @@ namespace prcage {
 
 class Arena {
  public:
-  // threads <= 0: as many as the machine has.
+  // threads <= 0: as many as the machine has; never more than TBB's limit in this process.
   explicit Arena(int threads);
 
   int threads() const { return threads_; }

@@ -7,6 +7,7 @@
 
 #include "core/displacement.h"
 #include "core/distance.h"
+#include "core/predicates.h"
 #include "core/vertex_cap.h"
 #include "parallel/parallel_for.h"
 
@@ -90,15 +91,34 @@ std::span<const Triangle> triangles_of(const CornerTable& mesh) {
   return {reinterpret_cast<const Triangle*>(mesh.corner_vertex.data()), mesh.face_slots()};
 }
 
-// Conflicts of the cage's faces in `changed` (all if it is empty).
-Conflicts find_conflicts(const CornerTable& mesh, const SurfaceTree& input, std::span<const std::uint8_t> changed,
-                         const TreeDevice& device) {
+// Zero-area faces have no side: what they could touch touches a neighbour of theirs, and collapses remove them.
+std::vector<std::uint8_t> faces_with_area(const CornerTable& mesh) {
+  std::vector<std::uint8_t> flagged(mesh.face_slots());
+  parallel_each(mesh.face_slots(), default_grain, [&](std::size_t f) {
+    const Triangle& t = triangles_of(mesh)[f];
+    flagged[f] = exact::collinear(mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])) ? 0 : 1;
+  });
+  return flagged;
+}
+
+Conflicts find_conflicts(const CornerTable& mesh, const SurfaceTree& input, const TreeDevice& device) {
   SurfaceTree cage(device);
-  cage.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build);
-  if (changed.empty()) return {self_intersections(cage), contacts(cage, input)};
+  cage.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, faces_with_area(mesh));
+  return {self_intersections(cage), contacts(cage, input)};
+}
+
+// The same for the faces at `vertices` only.
+Conflicts find_conflicts_at(const std::vector<std::uint32_t>& vertices, const CornerTable& mesh,
+                            const SurfaceTree& input, const TreeDevice& device) {
+  const std::vector<std::uint8_t> all = faces_with_area(mesh);
+  std::vector<std::uint8_t> some(mesh.face_slots(), 0);
+  for (const std::uint32_t v : vertices)
+    for_each_outgoing(mesh, v, [&](std::uint32_t h) { some[h / 3] = all[h / 3]; });
+  SurfaceTree cage(device);
+  cage.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, all);
   SurfaceTree part(device);
-  part.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, changed);
-  return {self_intersections(cage, part, changed), contacts(part, input)};
+  part.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, some);
+  return {self_intersections(cage, part, some), contacts(part, input)};
 }
 
 // Halves the step at the corners of all faces in conflict. Returns the vertices that changed.
@@ -117,12 +137,6 @@ std::vector<std::uint32_t> halve_at(const Conflicts& conflicts, const CornerTabl
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   for (const std::uint32_t v : vertices) step[v] *= 0.5;
   return vertices;
-}
-
-std::vector<std::uint8_t> faces_at(const std::vector<std::uint32_t>& vertices, const CornerTable& mesh) {
-  std::vector<std::uint8_t> flagged(mesh.face_slots(), 0);
-  for (const std::uint32_t v : vertices) for_each_outgoing(mesh, v, [&](std::uint32_t h) { flagged[h / 3] = 1; });
-  return flagged;
 }
 
 // A face of the surface beside face f of the cage: itself, or for a face of a cap one at a vertex of it.
@@ -181,14 +195,14 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   });
 
   std::vector<std::uint8_t> was_halved(vertices, 0);
-  Conflicts conflicts = find_conflicts(mesh, input, {}, device);
+  Conflicts conflicts = find_conflicts(mesh, input, device);
   for (int halving = 0; halving < max_halvings && !conflicts.none(); ++halving) {
     const std::vector<std::uint32_t> changed = halve_at(conflicts, mesh, result.step);
     for (const std::uint32_t v : changed) {
       was_halved[v] = 1;
       mesh.position[v] = displacer.moved(v, result.step[v]);
     }
-    conflicts = find_conflicts(mesh, input, faces_at(changed, mesh), device);
+    conflicts = find_conflicts_at(changed, mesh, input, device);
   }
   result.halved_vertices = static_cast<std::size_t>(std::count(was_halved.begin(), was_halved.end(), 1));
   result.valid = conflicts.none();
