@@ -22,7 +22,7 @@ struct PlacementSettings {
   // The same in absolute units, for positions that are rounded to floats.
   double absolute_margin = 0;
   // epsilon of eq. 5 as a fraction of the face's present height, so that it never excludes the present vertex.
-  double height_fraction = 1e-3;
+  double height_fraction = 1e-2;
   // Tikhonov term towards the midpoint, relative to the mean eigenvalue: flat stars have quadrics of rank 1.
   double regularization = 1e-3;
   // Stars with more faces are left alone until collapses around them make them smaller: keeps the cost of a round

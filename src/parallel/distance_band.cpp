@@ -14,8 +14,12 @@ namespace prcage {
 namespace {
 
 constexpr std::size_t recent_slots = 1024;
-// The memo is dropped when it holds this many leaves of 8^3 voxels (2 KiB each).
-constexpr std::uint32_t max_leaves = 1u << 16;
+// The memo is dropped when it takes more than this many bytes; it fills again where it is needed.
+constexpr std::uint64_t memo_limit = std::uint64_t{128} << 20;
+// Voxels are not made smaller than this fraction of the unit of the tree's frame, which keeps their indices small.
+constexpr double smallest_voxel = 1e-7;
+// A triangle that needs more pieces is given up as undecided: bounds the work for faces that are huge against tau.
+constexpr int max_pieces = 1 << 16;
 // Pieces smaller than this fraction of tau are given up as undecided.
 constexpr double smallest_piece = 1.0 / 64;
 
@@ -123,7 +127,8 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
   std::array<std::array<Vec3, 3>, 64> stack;
   std::size_t top = 0;
   stack[top++] = {a, b, c};
-  while (top > 0) {
+  for (int pieces = 0; top > 0; ++pieces) {
+    if (pieces == max_pieces) return false;
     const std::array<Vec3, 3> piece = stack[--top];
     const auto& [p, q, r] = piece;
     const Vec3 centre = (p + q + r) / 3;
@@ -150,9 +155,10 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
 }
 
 void DistanceBand::set_voxel_size(double size) {
-  if (size == voxel_size_) return;
+  const double allowed = std::max(size, smallest_voxel / frame_.scale);
+  if (allowed == voxel_size_) return;
   absorb();
-  voxel_size_ = size;
+  voxel_size_ = allowed;
   memo_->tree.clear();
 }
 
@@ -163,7 +169,7 @@ void DistanceBand::absorb() {
     memo_->filled += memo.found.size();
   }
   memo_->threads.clear();  // their accessors point into the tree that has just changed
-  if (memo_->tree.leafCount() > max_leaves) memo_->tree.clear();
+  if (memo_->tree.memUsage() > memo_limit) memo_->tree.clear();
 }
 
 }  // namespace prcage

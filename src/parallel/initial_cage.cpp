@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "core/displacement.h"
 #include "core/distance.h"
@@ -17,8 +18,7 @@ namespace {
 // Steps below 2^-30 sigma are beyond what doubles resolve at the scale of the diagonal.
 constexpr int max_halvings = 30;
 constexpr std::size_t examples = 5;
-// Radius at which a singular vertex is cut off: in steps, and as a share of its shortest edge.
-constexpr double longest_radius = 100;
+// Radius at which a singular vertex is cut off as a share of its shortest edge.
 constexpr double radius_share = 0.25;
 
 // The connectivity of C_0, and its positions as a function of the steps. Vertices may outnumber the input's: singular
@@ -44,11 +44,20 @@ class Displacer {
   }
 
   Position moved(std::size_t v, double step) const {
-    const Vec3 p = vec(mesh_.position[v]) + step * direction_[v];
+    const Vec3 p = start(v, step) + step * direction_[v];
     return settings_.float_positions ? round_to_floats(p) : position(p);
   }
 
  private:
+  // Where vertex v moves off from. The radius at which a vertex was cut off shrinks with the step, since what is in the
+  // way of a cap may be nearer than that, but more slowly, since moves have to become small against the cap.
+  Vec3 start(std::size_t v, double step) const {
+    const Vec3 p = vec(mesh_.position[v]);
+    const auto cut = cut_off_from_.find(static_cast<std::uint32_t>(v));
+    if (cut == cut_off_from_.end()) return p;
+    return cut->second + std::sqrt(step / first_step(v)) * (p - cut->second);
+  }
+
   // Cuts the vertex off; each point of the ring only has the two faces beside its edge to clear.
   void cap_singular(std::uint32_t v) {
     ++singular_;
@@ -56,17 +65,19 @@ class Displacer {
     if (cap.empty()) return;  // keeps its mean normal
     ++capped_;
     const std::size_t n = cap.fan.size();
+    const Vec3 corner = mesh_.vec_at(v);
     std::vector<Vec3> normal;
     double shortest = std::numeric_limits<double>::infinity();
     for (const std::uint32_t h : cap.fan) {
       normal.push_back(reliable_normal(mesh_, h));
-      shortest = std::min(shortest, (mesh_.vec_at(mesh_.target(h)) - mesh_.vec_at(v)).norm());
+      shortest = std::min(shortest, (mesh_.vec_at(mesh_.target(h)) - corner).norm());
     }
     const std::vector<std::uint32_t> ring =
-        cap_vertex(mesh_, cap, std::min(longest_radius * settings_.step, radius_share * shortest));
+        cap_vertex(mesh_, cap, std::min(settings_.longest_radius, radius_share * shortest));
     direction_.resize(mesh_.vertex_slots());
     if (cap.keeps_centre) direction_[v] = cap.centre_direction;
     for (std::size_t i = 0; i < n; ++i) {
+      cut_off_from_[ring[i]] = corner;
       const std::array<Vec3, 2> beside{normal[i], normal[(i + n - 1) % n]};
       if (!clearing_direction(beside, direction_[ring[i]])) direction_[ring[i]] = (beside[0] + beside[1]).normalized();
     }
@@ -75,6 +86,7 @@ class Displacer {
   const DisplacementSettings& settings_;
   CornerTable mesh_;
   std::vector<Vec3> direction_;
+  std::unordered_map<std::uint32_t, Vec3> cut_off_from_;  // of ring points: the singular vertex
   std::size_t singular_ = 0;
   std::size_t capped_ = 0;
 };

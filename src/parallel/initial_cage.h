@@ -11,7 +11,9 @@ namespace prcage {
 
 struct DisplacementSettings {
   double step = 0;             // sigma, absolute
-  double longest_move = 0;     // no vertex moves farther: keeps C_0 within the first cycle's tau
+  double longest_move = 0;     // no vertex moves farther
+  double longest_radius = 0;   // singular vertices are cut off no farther out; no point of C_0 is farther from the input
+                               // than this and longest_move together
   bool float_positions = false;
 };
 

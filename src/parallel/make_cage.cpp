@@ -2,11 +2,10 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <exception>
 #include <memory>
 #include <new>
+#include <sstream>
 
 #include "core/mesh_view.h"
 #include "core/schedule.h"
@@ -22,19 +21,15 @@ namespace {
 
 // The longest first move in steps: vertices between nearly antiparallel faces would otherwise go very far.
 constexpr double longest_move = 50;
-// Of the first cycle's tau, so that C_0 lies well within it.
-constexpr double longest_move_of_tau = 0.5;
+// The radius at which singular vertices are cut off, in steps.
+constexpr double longest_radius = 100;
+// Of the first cycle's tau, for each of the two, so that C_0 lies within it.
+constexpr double largest_share_of_tau = 0.5;
 
 std::uint64_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-std::string describe(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", x);
-  return text.data();
 }
 
 void report(Control* control, Control::Stage stage, std::size_t faces, double progress) {
@@ -47,10 +42,12 @@ std::string displacement_message(const InitialCage& cage, const Mesh& surface) {
   const FacePairs& pairs = contact ? cage.contacts : cage.self_intersections;
   const auto face = pairs.pairs[0][contact ? 1 : 0];
   const Position& p = surface.positions[surface.triangles[std::min<std::size_t>(face, surface.triangles.size() - 1)][0]];
-  return "the input cannot be moved off itself without a collision: " +
-         std::to_string(cage.contacts.count + cage.self_intersections.count) + " pairs of faces stay in conflict, e.g. near (" +
-         describe(p[0]) + ", " + describe(p[1]) + ", " + describe(p[2]) +
-         "); sheets may be too close to each other there for double precision, or a vertex too singular";
+  std::ostringstream text;
+  text << "the input cannot be moved off itself without a collision: "
+       << cage.contacts.count + cage.self_intersections.count << " pairs of faces stay in conflict, e.g. near (" << p[0]
+       << ", " << p[1] << ", " << p[2]
+       << "); sheets may be too close to each other there for double precision, or a vertex too singular";
+  return text.str();
 }
 
 class Pipeline {
@@ -100,8 +97,9 @@ class Pipeline {
     Statistics& s = result_.statistics;
     DisplacementSettings settings;
     settings.step = options_.sigma * s.diagonal;
-    settings.longest_move =
-        std::min(longest_move * settings.step, longest_move_of_tau * schedule_of(options_).front() * s.tau);
+    const double share_of_tau = largest_share_of_tau * schedule_of(options_).front() * s.tau;
+    settings.longest_move = std::min(longest_move * settings.step, share_of_tau);
+    settings.longest_radius = std::min(longest_radius * settings.step, share_of_tau);
     settings.float_positions = options_.precision == Precision::float32;
     InitialCage first = displace(valid().surface.mesh, valid().tree, settings, device_);
     s.singular_vertices = first.singular_vertices;

@@ -1,0 +1,24 @@
+#!/bin/sh
+# Makes the pictures of README.md with nothing but the program itself: built-in shapes, their cages, and drawings.
+#   sh tools/readme_pictures.sh [PROGRAM [DIRECTORY]]   by default build/release/prcage and tools/pictures
+# What the program writes depends on neither time nor threads: an unchanged program leaves the pictures unchanged.
+set -eu
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+program=${1-$root/build/release/prcage}
+pictures=${2-$root/tools/pictures}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# SHAPE FACES [OPTION OF RENDER...]: input, cage over input and cage, side by side.
+picture() {
+  shape=$1 faces=$2
+  shift 2
+  "$program" make "$shape" --faces "$faces" -o "$work/$shape.ply"
+  "$program" cage "$work/$shape.ply" -o "$work/$shape-cage.ply" --quiet
+  "$program" render "$work/$shape.ply" "$work/$shape-cage.ply" -o "$pictures/$shape.png" --width 1000 --height 350 "$@"
+}
+
+mkdir -p "$pictures"
+picture knot 100000
+picture bracket 20000
