@@ -340,6 +340,7 @@ std::vector<ProjectedEdge> project_edges(const Body& body, const Camera& camera)
   std::sort(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   std::vector<ProjectedEdge> edges;
+  edges.reserve(ends.size());
   for (const auto& [a, b] : ends) {
     edges.push_back({camera.project(body.point(a)), camera.project(body.point(b)), body.point(a), body.point(b)});
   }
@@ -369,7 +370,7 @@ class PanelRenderer {
   PanelRenderer(const Panel& panel, const Style& style, const Camera& camera, int width)
       : panel_(panel), style_(style), camera_(camera), width_(width) {
     if (panel.wired != nullptr) edges_ = project_edges(*panel.wired, camera);
-    const Vec3f side = camera.right(), up = camera.world_up(), front = camera.back();
+    const Vec3f &side = camera.right(), &up = camera.world_up(), &front = camera.back();
     key_ = (-0.55f * side + 0.95f * up + 0.65f * front).normalized();
     fill_ = (0.9f * side + 0.25f * up + 0.55f * front).normalized();
     rim_ = (0.3f * side + 0.6f * up - 0.9f * front).normalized();
@@ -468,7 +469,7 @@ class PanelRenderer {
   }
 
   // Lays the sheets of the shell over what is behind them. They are denser where they are seen edge-on, as glass is.
-  Vec3f over_shell(const Vec3f& ray, float end, Vec3f behind) const {
+  Vec3f over_shell(const Vec3f& ray, float end, const Vec3f& behind) const {
     constexpr int most_sheets = 16;
     Vec3f color = Vec3f::Zero();
     float transmitted = 1, from = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 
 namespace prcage {
@@ -112,7 +113,9 @@ void collapse_edge(CornerTable& mesh, std::uint32_t h, const Position& p) {
     const std::uint32_t into_apex = mesh.twin[next_halfedge(edge)];      // leaves the apex
     const std::uint32_t out_of_apex = mesh.twin[previous_halfedge(edge)];  // ends at the apex
     const std::uint32_t apex = mesh.apex(edge);
-    if (mesh.vertex_halfedge[apex] / 3 == edge / 3) mesh.vertex_halfedge[apex] = into_apex;
+    // Another collapse may have the same apex. Only the one that kills the face which the entry names changes it.
+    const std::atomic_ref at_apex(mesh.vertex_halfedge[apex]);
+    if (at_apex.load(std::memory_order_relaxed) / 3 == edge / 3) at_apex.store(into_apex, std::memory_order_relaxed);
     mesh.vertex_halfedge[a] = out_of_apex;
     pair_up(mesh, into_apex, out_of_apex);
   }

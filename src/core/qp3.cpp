@@ -1,5 +1,6 @@
 #include "core/qp3.h"
 
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -41,7 +42,10 @@ struct Cholesky3 {
 // At most three linearly independent active normals with their multipliers.
 class ActiveSet {
  public:
-  int size() const { return size_; }
+  int size() const {
+    assert(size_ >= 0 && size_ <= 3);
+    return size_;
+  }
 
   // Coefficients r with a ~ sum r_j n_j in the least-squares sense, and the remainder z orthogonal to all n_j.
   Vec3 decompose(const Vec3& a, double r[3]) const {
