@@ -110,7 +110,7 @@ void collapse_edge(CornerTable& mesh, std::uint32_t h, const Position& p) {
   // In each dying face the two other edges become one: the halfedges across them are twins now, and they leave the
   // opposite vertex and a.
   for (const std::uint32_t edge : {h, t}) {
-    const std::uint32_t into_apex = mesh.twin[next_halfedge(edge)];      // leaves the apex
+    const std::uint32_t into_apex = mesh.twin[next_halfedge(edge)];        // leaves the apex
     const std::uint32_t out_of_apex = mesh.twin[previous_halfedge(edge)];  // ends at the apex
     const std::uint32_t apex = mesh.apex(edge);
     // Another collapse may have the same apex. Only the one that kills the face which the entry names changes it.

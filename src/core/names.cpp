@@ -6,47 +6,76 @@ const char* version() { return PRCAGE_VERSION; }
 
 const char* to_string(Status status) {
   switch (status) {
-    case Status::ok: return "ok";
-    case Status::face_budget_not_reached: return "face_budget_not_reached";
-    case Status::cancelled: return "cancelled";
-    case Status::invalid_options: return "invalid_options";
-    case Status::invalid_input: return "invalid_input";
-    case Status::displacement_failed: return "displacement_failed";
-    case Status::certificate_failed: return "certificate_failed";
-    case Status::internal_error: return "internal_error";
+    case Status::ok:
+      return "ok";
+    case Status::face_budget_not_reached:
+      return "face_budget_not_reached";
+    case Status::cancelled:
+      return "cancelled";
+    case Status::invalid_options:
+      return "invalid_options";
+    case Status::invalid_input:
+      return "invalid_input";
+    case Status::displacement_failed:
+      return "displacement_failed";
+    case Status::certificate_failed:
+      return "certificate_failed";
+    case Status::internal_error:
+      return "internal_error";
   }
   return "unknown";
 }
 
 const char* to_string(DefectKind kind) {
   switch (kind) {
-    case DefectKind::no_faces: return "no_faces";
-    case DefectKind::index_out_of_range: return "index_out_of_range";
-    case DefectKind::repeated_vertex: return "repeated_vertex";
-    case DefectKind::not_finite: return "not_finite";
-    case DefectKind::too_large: return "too_large";
-    case DefectKind::boundary_edge: return "boundary_edge";
-    case DefectKind::non_manifold_edge: return "non_manifold_edge";
-    case DefectKind::inconsistent_edge: return "inconsistent_edge";
-    case DefectKind::non_manifold_vertex: return "non_manifold_vertex";
-    case DefectKind::duplicate_face: return "duplicate_face";
-    case DefectKind::self_intersection: return "self_intersection";
-    case DefectKind::degenerate_face: return "degenerate_face";
-    case DefectKind::inside_out: return "inside_out";
-    case DefectKind::nested_orientation: return "nested_orientation";
+    case DefectKind::no_faces:
+      return "no_faces";
+    case DefectKind::index_out_of_range:
+      return "index_out_of_range";
+    case DefectKind::repeated_vertex:
+      return "repeated_vertex";
+    case DefectKind::not_finite:
+      return "not_finite";
+    case DefectKind::too_large:
+      return "too_large";
+    case DefectKind::boundary_edge:
+      return "boundary_edge";
+    case DefectKind::non_manifold_edge:
+      return "non_manifold_edge";
+    case DefectKind::inconsistent_edge:
+      return "inconsistent_edge";
+    case DefectKind::non_manifold_vertex:
+      return "non_manifold_vertex";
+    case DefectKind::duplicate_face:
+      return "duplicate_face";
+    case DefectKind::self_intersection:
+      return "self_intersection";
+    case DefectKind::degenerate_face:
+      return "degenerate_face";
+    case DefectKind::inside_out:
+      return "inside_out";
+    case DefectKind::nested_orientation:
+      return "nested_orientation";
   }
   return "unknown";
 }
 
 const char* to_string(Control::Stage stage) {
   switch (stage) {
-    case Control::Stage::start: return "start";
-    case Control::Stage::validate: return "validate";
-    case Control::Stage::displace: return "displace";
-    case Control::Stage::collapse: return "collapse";
-    case Control::Stage::flip: return "flip";
-    case Control::Stage::certify: return "certify";
-    case Control::Stage::done: return "done";
+    case Control::Stage::start:
+      return "start";
+    case Control::Stage::validate:
+      return "validate";
+    case Control::Stage::displace:
+      return "displace";
+    case Control::Stage::collapse:
+      return "collapse";
+    case Control::Stage::flip:
+      return "flip";
+    case Control::Stage::certify:
+      return "certify";
+    case Control::Stage::done:
+      return "done";
   }
   return "unknown";
 }

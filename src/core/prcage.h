@@ -69,19 +69,19 @@ const char* to_string(Status status);
 
 enum class DefectKind {
   no_faces,
-  index_out_of_range,     // a triangle names a vertex that does not exist
-  repeated_vertex,        // a triangle names one vertex twice
-  not_finite,             // NaN or infinite coordinate of a vertex in use
-  too_large,              // coordinates beyond 1e15 or so small that l underflows
-  boundary_edge,          // edge with one face
-  non_manifold_edge,      // edge with more than two faces
-  inconsistent_edge,      // two faces pass the edge in the same direction
-  non_manifold_vertex,    // faces of the vertex do not form one fan
-  duplicate_face,         // two faces on the same three vertices
-  self_intersection,      // two faces meet outside their common vertices and edges
-  degenerate_face,        // zero-area face that no exact local repair removes
-  inside_out,             // every component is turned inside out
-  nested_orientation,     // a component's orientation contradicts its nesting: overlapping solids
+  index_out_of_range,   // a triangle names a vertex that does not exist
+  repeated_vertex,      // a triangle names one vertex twice
+  not_finite,           // NaN or infinite coordinate of a vertex in use
+  too_large,            // coordinates beyond 1e15 or so small that l underflows
+  boundary_edge,        // edge with one face
+  non_manifold_edge,    // edge with more than two faces
+  inconsistent_edge,    // two faces pass the edge in the same direction
+  non_manifold_vertex,  // faces of the vertex do not form one fan
+  duplicate_face,       // two faces on the same three vertices
+  self_intersection,    // two faces meet outside their common vertices and edges
+  degenerate_face,      // zero-area face that no exact local repair removes
+  inside_out,           // every component is turned inside out
+  nested_orientation,   // a component's orientation contradicts its nesting: overlapping solids
 };
 
 const char* to_string(DefectKind kind);
@@ -111,9 +111,9 @@ struct Validation {
   std::size_t components = 0;             // of the surface
   std::size_t cavities = 0;               // components that bound a hollow of a solid
   long long euler_characteristic = 0;
-  double diagonal = 0;                    // l
+  double diagonal = 0;  // l
   double area = 0;
-  double volume = 0;                      // signed, cavities subtracted
+  double volume = 0;  // signed, cavities subtracted
 
   bool valid() const { return defects.empty(); }
 };
@@ -123,12 +123,12 @@ struct Validation {
 // The answer, from exact predicates on final coordinates, to "is this cage what it claims to be".
 struct Certificate {
   bool closed = false;
-  bool manifold = false;               // edges and vertices
-  bool oriented = false;               // consistently
-  bool no_degenerate_face = false;     // no three collinear corners
+  bool manifold = false;            // edges and vertices
+  bool oriented = false;            // consistently
+  bool no_degenerate_face = false;  // no three collinear corners
   bool self_intersection_free = false;
-  bool no_contact = false;             // no face of the cage touches a face of the input
-  bool encloses = false;               // every component of the input is inside, the cage bounds a volume
+  bool no_contact = false;  // no face of the cage touches a face of the input
+  bool encloses = false;    // every component of the input is inside, the cage bounds a volume
   bool euler_characteristic_equal = false;
   bool component_count_equal = false;
 
@@ -167,10 +167,10 @@ struct Options {
   // Stop at this many faces, or one below where parity demands. 0: as few as tau allows.
   std::size_t face_budget = 0;
 
-  bool flips = true;          // edge flips after each cycle (paper sec. 3.2)
-  double sigma = 1e-5;        // first displacement off the input, relative to l (paper sec. 3.2)
-  std::uint64_t seed = 0;     // breaks ties between candidates of equal cost
-  int threads = 0;            // 0: as many as the machine has; TBB's limit of the process holds
+  bool flips = true;               // edge flips after each cycle (paper sec. 3.2)
+  double sigma = 1e-5;             // first displacement off the input, relative to l (paper sec. 3.2)
+  std::uint64_t seed = 0;          // breaks ties between candidates of equal cost
+  int threads = 0;                 // 0: as many as the machine has; TBB's limit of the process holds
   bool accept_inside_out = false;  // turn an inside-out input round instead of refusing it
 
   // Precision in which the caller will store the result. float32 keeps every vertex of the run on a float, so
@@ -191,9 +191,9 @@ class Control {
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
 
   Stage stage() const noexcept { return stage_.load(std::memory_order_relaxed); }
-  int cycle() const noexcept { return cycle_.load(std::memory_order_relaxed); }            // 1..cycles
-  std::size_t faces() const noexcept { return faces_.load(std::memory_order_relaxed); }    // of the cage now
-  double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }   // 0..1, never falls
+  int cycle() const noexcept { return cycle_.load(std::memory_order_relaxed); }           // 1..cycles
+  std::size_t faces() const noexcept { return faces_.load(std::memory_order_relaxed); }   // of the cage now
+  double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }  // 0..1, never falls
 
   // For the run itself.
   void report(Stage stage, int cycle, std::size_t faces, double progress) noexcept {
@@ -228,7 +228,7 @@ struct Counts {
   std::uint64_t rejected_conflict = 0;     // lost against another patch of the same round
   std::uint64_t collapses = 0;             // accepted
   std::uint64_t flips_tried = 0;
-  std::uint64_t flips = 0;                 // accepted
+  std::uint64_t flips = 0;  // accepted
 
   Counts& operator+=(const Counts& other);
 };
@@ -262,17 +262,17 @@ struct Statistics {
   std::size_t input_faces = 0;
   std::size_t cage_vertices = 0;
   std::size_t cage_faces = 0;
-  double diagonal = 0;                       // l
-  double tau = 0;                            // absolute
-  double sigma_min = 0;                      // smallest displacement step used, absolute
-  double sigma_max = 0;                      // largest
-  std::size_t singular_vertices = 0;         // displacement QP infeasible
-  std::size_t capped_vertices = 0;           // of those: cut off; the others moved along a mean normal
-  std::size_t halved_vertices = 0;           // sigma halved for them at least once
+  double diagonal = 0;                // l
+  double tau = 0;                     // absolute
+  double sigma_min = 0;               // smallest displacement step used, absolute
+  double sigma_max = 0;               // largest
+  std::size_t singular_vertices = 0;  // displacement QP infeasible
+  std::size_t capped_vertices = 0;    // of those: cut off; the others moved along a mean normal
+  std::size_t halved_vertices = 0;    // sigma halved for them at least once
   int threads = 0;
-  std::string simd;                          // instruction set of the kernels
-  std::uint64_t peak_memory_bytes = 0;       // of the process, highest so far
-  std::uint64_t band_voxels = 0;             // distance band: voxels ever filled
+  std::string simd;                     // instruction set of the kernels
+  std::uint64_t peak_memory_bytes = 0;  // of the process, highest so far
+  std::uint64_t band_voxels = 0;        // distance band: voxels ever filled
   StageSeconds seconds;
   Counts counts;
   std::vector<CycleStatistics> cycles;

@@ -39,9 +39,7 @@ struct Span {
   bool is_point() const { return equal(p, q); }
 };
 
-bool point_on_segment(const double* x, const Span& s) {
-  return Segment(point(s.p), point(s.q)).has_on(point(x));
-}
+bool point_on_segment(const double* x, const Span& s) { return Segment(point(s.p), point(s.q)).has_on(point(x)); }
 
 bool intersect(const Span& s, const Span& t) {
   if (s.is_point() && t.is_point()) return equal(s.p, t.p);

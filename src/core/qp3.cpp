@@ -140,8 +140,7 @@ QpStatus solve_qp3(const Symmetric3& G, const Vec3& g, const PlaneArrays& planes
     double worst = -tolerance;
     std::size_t violated = planes.count;
     for (std::size_t i = 0; i < planes.count; ++i) {
-      const double slack =
-          planes.nx[i] * x.x() + planes.ny[i] * x.y() + planes.nz[i] * x.z() - planes.offset[i];
+      const double slack = planes.nx[i] * x.x() + planes.ny[i] * x.y() + planes.nz[i] * x.z() - planes.offset[i];
       if (slack < worst) {
         worst = slack;
         violated = i;

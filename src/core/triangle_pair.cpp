@@ -71,8 +71,7 @@ bool improper_contact(const TriangleRef& a, const TriangleRef& b) {
         ++shared;
       }
   if (shared == 0)
-    return !certainly_separated(a.p, b.p) &&
-           exact::triangles_intersect(a.p[0], a.p[1], a.p[2], b.p[0], b.p[1], b.p[2]);
+    return !certainly_separated(a.p, b.p) && exact::triangles_intersect(a.p[0], a.p[1], a.p[2], b.p[0], b.p[1], b.p[2]);
   if (shared == 1) return shares_one(a, in_a[0], b, in_b[0]);
   if (shared == 2) return shares_two(a, in_a, b, in_b);
   return true;

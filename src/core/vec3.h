@@ -16,7 +16,8 @@ using Triangle = std::array<std::uint32_t, 3>;
 inline Vec3 vec(const Position& p) { return {p[0], p[1], p[2]}; }
 inline Position position(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-// The nearest float. Through memory: GCC 12 vectorises conversions to float and back of neighbouring doubles to nothing.
+// The nearest float. Through memory: GCC 12 vectorises conversions to float and back of neighbouring doubles to
+// nothing.
 inline double round_to_float(double x) {
   const volatile float rounded = static_cast<float>(x);
   return static_cast<double>(rounded);

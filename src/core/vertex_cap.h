@@ -22,7 +22,7 @@ struct VertexCap {
   std::vector<std::uint32_t> fan;                       // halfedges that leave the vertex, counterclockwise
   std::vector<std::array<std::uint32_t, 3>> triangles;  // positions in the fan; fan.size() is the centre
   bool keeps_centre = false;
-  Vec3 centre_direction = Vec3::Zero();                 // clears all triangles at the centre
+  Vec3 centre_direction = Vec3::Zero();  // clears all triangles at the centre
 
   bool empty() const { return triangles.empty(); }
 };

@@ -77,8 +77,7 @@ void BoxTree::build(std::span<const Box> boxes, TreeQuality quality) {
   live_ = count_live(boxes);
   scene_.reset();
   if (live_ == 0) return;
-  const RTCBuildQuality level =
-      quality == TreeQuality::fast_build ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
+  const RTCBuildQuality level = quality == TreeQuality::fast_build ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
   scene_.reset(rtcNewScene(device_->get()));
   rtcSetSceneBuildQuality(scene_.get(), level);
   RTCGeometry geometry = rtcNewGeometry(device_->get(), RTC_GEOMETRY_TYPE_USER);

@@ -14,11 +14,11 @@ namespace prcage {
 struct CageState {
   CornerTable mesh;
   std::size_t live_faces = 0;
-  std::vector<float> face_distance;      // per face: upper bound of d(c_f, M)
-  std::vector<std::uint32_t> face_near;  // per face: input face to which face_distance was measured
-  std::vector<Box> face_box;             // per face; empty for dead faces
-  std::vector<float> edge_cost;          // per halfedge, valid for the lower one of an edge; infinity: no candidate
-  std::vector<std::uint8_t> dirty;       // per vertex: edges at it must be evaluated again
+  std::vector<float> face_distance;       // per face: upper bound of d(c_f, M)
+  std::vector<std::uint32_t> face_near;   // per face: input face to which face_distance was measured
+  std::vector<Box> face_box;              // per face; empty for dead faces
+  std::vector<float> edge_cost;           // per halfedge, valid for the lower one of an edge; infinity: no candidate
+  std::vector<std::uint8_t> dirty;        // per vertex: edges at it must be evaluated again
   std::vector<std::uint32_t> face_owner;  // per face: patch of the present round that would remove it, or none
 };
 

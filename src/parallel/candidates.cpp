@@ -114,14 +114,13 @@ std::vector<Candidate> select_independent_collapses(const CageState& state, std:
     const std::uint64_t best = std::min({at_vertex[v[0]], at_vertex[v[1]], at_vertex[v[2]]});
     for (int k = 0; k < 3; ++k) atomic_min(at_faces[v[k]], best);
   });
-  auto selected =
-      parallel_gather<Candidate>(halfedges, 1u << 14, [&](std::size_t begin, std::size_t end, auto& list) {
-        for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
-          if (!is_candidate(h)) continue;
-          const std::uint64_t key = candidate_key(state.edge_cost[h], h, seed);
-          if (at_faces[mesh.origin(h)] == key && at_faces[mesh.target(h)] == key) list.push_back({key, h});
-        }
-      });
+  auto selected = parallel_gather<Candidate>(halfedges, 1u << 14, [&](std::size_t begin, std::size_t end, auto& list) {
+    for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+      if (!is_candidate(h)) continue;
+      const std::uint64_t key = candidate_key(state.edge_cost[h], h, seed);
+      if (at_faces[mesh.origin(h)] == key && at_faces[mesh.target(h)] == key) list.push_back({key, h});
+    }
+  });
   tbb::parallel_sort(selected);
   return selected;
 }

@@ -21,8 +21,7 @@ void take_over_faces(CageState& state, const UnitFrame& frame, const PatchBatch&
     const Triangle& v = batch.triangle[t];
     state.face_distance[f] = round_distance_up(batch.near[t].distance);
     state.face_near[f] = batch.near[t].face;
-    state.face_box[f] =
-        bounding_box(frame, {state.mesh.point(v[0]), state.mesh.point(v[1]), state.mesh.point(v[2])});
+    state.face_box[f] = bounding_box(frame, {state.mesh.point(v[0]), state.mesh.point(v[1]), state.mesh.point(v[2])});
     for (const std::uint32_t u : v) mark_dirty(state, u);
   }
 }

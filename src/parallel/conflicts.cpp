@@ -30,7 +30,8 @@ std::vector<Box> patch_boxes(const CageState& state, const UnitFrame& frame, con
 
 void set_owners(CageState& state, const PatchBatch& batch, bool owned) {
   parallel_each(batch.size(), default_grain, [&](std::size_t i) {
-    for (const std::uint32_t f : batch.removed_faces(i)) state.face_owner[f] = owned ? static_cast<std::uint32_t>(i) : none;
+    for (const std::uint32_t f : batch.removed_faces(i))
+      state.face_owner[f] = owned ? static_cast<std::uint32_t>(i) : none;
   });
 }
 

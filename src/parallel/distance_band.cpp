@@ -24,7 +24,8 @@ constexpr int max_pieces = 1 << 16;
 constexpr double smallest_piece = 1.0 / 64;
 
 std::size_t slot(const openvdb::Coord& voxel) {
-  const auto mix = static_cast<std::uint32_t>(voxel.x()) * 73856093u ^ static_cast<std::uint32_t>(voxel.y()) * 19349663u ^
+  const auto mix = static_cast<std::uint32_t>(voxel.x()) * 73856093u ^
+                   static_cast<std::uint32_t>(voxel.y()) * 19349663u ^
                    static_cast<std::uint32_t>(voxel.z()) * 83492791u;
   return (mix ^ (mix >> 15)) % recent_slots;
 }
@@ -73,11 +74,7 @@ struct DistanceBand::Memo {
 
 DistanceBand::DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles,
                            const UnitFrame& frame, const BoxTree& tree)
-    : positions_(positions),
-      triangles_(triangles),
-      frame_(frame),
-      tree_(&tree),
-      memo_(std::make_unique<Memo>()) {}
+    : positions_(positions), triangles_(triangles), frame_(frame), tree_(&tree), memo_(std::make_unique<Memo>()) {}
 
 DistanceBand::~DistanceBand() = default;
 
@@ -138,8 +135,7 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
       if (found.distance > tau) return false;
     }
     const bool proved =
-        std::all_of(piece.begin(), piece.end(),
-                    [&](const Vec3& x) { return distance_to_face(x, found.face) <= tau; });
+        std::all_of(piece.begin(), piece.end(), [&](const Vec3& x) { return distance_to_face(x, found.face) <= tau; });
     if (proved) continue;
     const std::array<double, 3> length{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
     const auto i = static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());

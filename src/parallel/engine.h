@@ -13,12 +13,12 @@ namespace prcage {
 
 struct EngineContext {
   const Options* options;
-  double diagonal;              // l
-  double tau;                   // absolute
+  double diagonal;  // l
+  double tau;       // absolute
   UnitFrame frame;
   const TreeDevice* device;
   DistanceBand* band;
-  Control* control;             // may be null
+  Control* control;  // may be null
   Statistics* statistics;
 };
 

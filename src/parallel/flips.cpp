@@ -79,8 +79,7 @@ void test_flips_at_samples(const CageState& state, DistanceBand& band, double ta
     const std::size_t t = batch.first_face[i];
     const Triangle& v = batch.triangle[t];  // its first two corners are the new edge
     const Vec3 middle = 0.5 * (state.mesh.vec_at(v[0]) + state.mesh.vec_at(v[1]));
-    const double farthest =
-        std::max({band.near(middle).distance, batch.near[t].distance, batch.near[t + 1].distance});
+    const double farthest = std::max({band.near(middle).distance, batch.near[t].distance, batch.near[t + 1].distance});
     if (farthest > tau) batch.verdict[i] = Verdict::beyond_tau;
   });
   band.absorb();

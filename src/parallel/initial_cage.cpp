@@ -124,8 +124,7 @@ Conflicts find_conflicts_at(const std::vector<std::uint32_t>& vertices, const Co
                             const SurfaceTree& input, const TreeDevice& device) {
   const std::vector<std::uint8_t> all = faces_with_area(mesh);
   std::vector<std::uint8_t> some(mesh.face_slots(), 0);
-  for (const std::uint32_t v : vertices)
-    for_each_outgoing(mesh, v, [&](std::uint32_t h) { some[h / 3] = all[h / 3]; });
+  for (const std::uint32_t v : vertices) for_each_outgoing(mesh, v, [&](std::uint32_t h) { some[h / 3] = all[h / 3]; });
   SurfaceTree cage(device);
   cage.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, all);
   SurfaceTree part(device);
@@ -161,7 +160,8 @@ std::uint32_t face_beside(const CornerTable& mesh, std::uint32_t f, std::size_t 
 
 double distance_to_face(const Mesh& surface, std::uint32_t face, const Vec3& x) {
   const Triangle& t = surface.triangles[face];
-  return (x - closest_point(x, vec(surface.positions[t[0]]), vec(surface.positions[t[1]]), vec(surface.positions[t[2]])))
+  return (x -
+          closest_point(x, vec(surface.positions[t[0]]), vec(surface.positions[t[1]]), vec(surface.positions[t[2]])))
       .norm();
 }
 

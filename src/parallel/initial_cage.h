@@ -10,23 +10,23 @@
 namespace prcage {
 
 struct DisplacementSettings {
-  double step = 0;             // sigma, absolute
-  double longest_move = 0;     // no vertex moves farther
-  double longest_radius = 0;   // singular vertices are cut off no farther out; no point of C_0 is farther from the input
-                               // than this and longest_move together
+  double step = 0;            // sigma, absolute
+  double longest_move = 0;    // no vertex moves farther
+  double longest_radius = 0;  // singular vertices are cut off no farther out; no point of C_0 is farther from the input
+                              // than this and longest_move together
   bool float_positions = false;
 };
 
 struct InitialCage {
   bool valid = false;
   CageState state;
-  std::vector<double> step;            // per vertex: sigma used
-  std::size_t singular_vertices = 0;   // no direction clears all faces
-  std::size_t capped_vertices = 0;     // of those: cut off (vertex_cap.h); the others move along a mean normal
+  std::vector<double> step;           // per vertex: sigma used
+  std::size_t singular_vertices = 0;  // no direction clears all faces
+  std::size_t capped_vertices = 0;    // of those: cut off (vertex_cap.h); the others move along a mean normal
   std::size_t halved_vertices = 0;
-  FacePairs self_intersections;        // what is left if not valid (at most five pairs each): faces of the cage, which begins with
-                                       // those of `surface`
-  FacePairs contacts;                  // face of the cage, face of the input
+  FacePairs self_intersections;  // what is left if not valid (at most five pairs each): faces of the cage, which begins
+                                 // with those of `surface`
+  FacePairs contacts;  // face of the cage, face of the input
 };
 
 // `surface` is the input without degenerate faces; `input` the tree over the input that must not be touched. Runs

@@ -41,7 +41,8 @@ std::string displacement_message(const InitialCage& cage, const Mesh& surface) {
   const bool contact = cage.contacts.count > 0;
   const FacePairs& pairs = contact ? cage.contacts : cage.self_intersections;
   const auto face = pairs.pairs[0][contact ? 1 : 0];
-  const Position& p = surface.positions[surface.triangles[std::min<std::size_t>(face, surface.triangles.size() - 1)][0]];
+  const Position& p =
+      surface.positions[surface.triangles[std::min<std::size_t>(face, surface.triangles.size() - 1)][0]];
   std::ostringstream text;
   text << "the input cannot be moved off itself without a collision: "
        << cage.contacts.count + cage.self_intersections.count << " pairs of faces stay in conflict, e.g. near (" << p[0]
@@ -146,7 +147,8 @@ class Pipeline {
         break;
       case EngineOutcome::schedule_finished:
         if (options_.face_budget != 0) {
-          fail(Status::face_budget_not_reached, "tau allows no fewer than " + std::to_string(result_.statistics.cage_faces) +
+          fail(Status::face_budget_not_reached, "tau allows no fewer than " +
+                                                    std::to_string(result_.statistics.cage_faces) +
                                                     " faces; a larger tau allows fewer");
           break;
         }

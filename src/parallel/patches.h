@@ -36,7 +36,7 @@ struct PatchBatch {
   std::vector<std::uint32_t> first_face;
   std::vector<std::uint32_t> face;
   std::vector<Triangle> triangle;
-  std::vector<std::uint32_t> patch_of;  // of each triangle
+  std::vector<std::uint32_t> patch_of;   // of each triangle
   std::vector<DistanceBand::Near> near;  // of each triangle's centroid
 
   std::size_t size() const { return candidate.size(); }
@@ -62,7 +62,6 @@ PatchBatch build_flips(const CageState& state, const std::vector<Candidate>& sel
 void test_patches_locally(const CageState& state, PatchBatch& batch);
 
 // Finds an input face near each new centroid. In strict mode rejects patches that are not proved to lie within tau.
-void test_patches_against_band(const CageState& state, DistanceBand& band, double tau, TauMode mode,
-                               PatchBatch& batch);
+void test_patches_against_band(const CageState& state, DistanceBand& band, double tau, TauMode mode, PatchBatch& batch);
 
 }  // namespace prcage
