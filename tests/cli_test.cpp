@@ -6,21 +6,25 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/prcage.h"
+#include "core/schedule.h"
 #include "io/mesh_file.h"
 #include "tools/cli_options.h"
 #include "tools/exit_codes.h"
@@ -31,6 +35,7 @@ namespace {
 
 using nlohmann::json;
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -197,24 +202,76 @@ TEST_F(Cli, HelpAndVersionGoToStandardOutput) {
   EXPECT_EQ(run({"help", "cage"}).out, run({"cage", "--help"}).out);
 }
 
-TEST_F(Cli, HelpDocumentsEveryOptionAndExitCode) {
+TEST_F(Cli, HelpDocumentsEveryOption) {
   const std::string help = run({"help", "cage"}).out;
   for (const char* option :
-       {"--output", "--tau", "--tau-abs", "--tau-mode", "--cycles", "--schedule", "--faces", "--no-flips", "--sigma",
-        "--threads", "--seed", "--flip", "--weld", "--stats", "--format", "--quiet", "130"}) {
+       {"--output", "--tau", "--tau-abs", "--tau-mode", "--cycles", "--schedule", "--faces", "--no-edge-flips",
+        "--sigma", "--threads", "--seed", "--flip", "--weld", "--stats", "--format", "--quiet"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
 }
 
+TEST_F(Cli, UsageLinesShowWhatIsRequired) {
+  EXPECT_THAT(run({"--help"}).out, AllOf(HasSubstr("Usage: prcage COMMAND "), HasSubstr("COMMAND is required")));
+  EXPECT_THAT(run({"help", "cage"}).out, HasSubstr("Usage: prcage cage INPUT -o OUTPUT [OPTIONS]\n"));
+  EXPECT_THAT(run({"help", "check"}).out, HasSubstr("       prcage check INPUT --cage FILE [OPTIONS]\n"));
+  EXPECT_THAT(run({"help", "make"}).out, AllOf(HasSubstr("Usage: prcage make SHAPE --faces N -o OUTPUT [OPTIONS]\n"),
+                                               HasSubstr("       prcage make --list\n")));
+  EXPECT_THAT(run({"help", "render"}).out, HasSubstr("Usage: prcage render INPUT [CAGE] -o OUTPUT [OPTIONS]\n"));
+}
+
+TEST_F(Cli, HelpIsFreeOfTheParsersOwnNotation) {
+  for (const char* command : {"cage", "check", "info", "make", "render", "help"}) {
+    EXPECT_THAT(run({"help", command}).out, AllOf(Not(HasSubstr("REQUIRED")), Not(HasSubstr("Excludes")),
+                                                  Not(HasSubstr("INT")), Not(HasSubstr("TEXT"))))
+        << command;
+  }
+}
+
+TEST_F(Cli, TheExampleOfTheHelpWorks) {
+  std::istringstream help(run({"--help"}).out);
+  int examples = 0;
+  for (std::string line; std::getline(help, line);) {
+    if (!line.starts_with("  prcage ")) continue;
+    std::istringstream words(line.substr(9));
+    std::vector<std::string> arguments{std::istream_iterator<std::string>(words), {}};
+    for (std::string& argument : arguments) {
+      if (argument.ends_with(".ply")) argument = path(argument);
+    }
+    EXPECT_EQ(run(arguments).code, code(ExitCode::ok)) << line;
+    ++examples;
+  }
+  EXPECT_EQ(examples, 3);
+}
+
+TEST_F(Cli, EachHelpListsTheExitCodesOfItsCommand) {
+  const auto listed = [](const std::string& help, ExitCode exit_code) {
+    return help.find(fmt::format("\n  {:<4} {}", code(exit_code), meaning(exit_code))) != std::string::npos;
+  };
+  const std::string all = run({"--help"}).out;
+  const std::string cage = run({"help", "cage"}).out;
+  const std::string make = run({"help", "make"}).out;
+  for (const ExitCode exit_code : all_exit_codes) {
+    EXPECT_TRUE(listed(all, exit_code)) << code(exit_code);
+    EXPECT_TRUE(listed(cage, exit_code)) << code(exit_code);
+  }
+  EXPECT_TRUE(listed(make, ExitCode::cannot_write));
+  EXPECT_FALSE(listed(make, ExitCode::cannot_read));
+  EXPECT_FALSE(listed(make, ExitCode::interrupted));
+  EXPECT_FALSE(listed(run({"help", "check"}).out, ExitCode::face_budget_not_reached));
+}
+
 TEST_F(Cli, UnknownOrMissingArgumentsAreUsageErrors) {
   const std::string in = file("in.ply", cube());
-  expect_usage_error({}, "required");
-  expect_usage_error({"explode"}, "explode");
-  expect_usage_error({"help", "explode"}, "explode");
+  expect_usage_error({}, "a command is required\nCommands: cage, check, ");
+  expect_usage_error({"explode"}, "no such command 'explode'\nCommands: cage, check, ");
+  expect_usage_error({"help", "explode"}, "no such command 'explode'\nCommands: cage, check, ");
   expect_usage_error({"cage", in}, "--output");
   expect_usage_error({"cage", "-o", path("out.ply")}, "INPUT");
-  expect_usage_error({"cage", in, "-o", path("out.ply"), "--explode"}, "--explode");
-  expect_usage_error({"cage", in, "another.ply", "-o", path("out.ply")}, "another.ply");
+  expect_usage_error({"cage", in, "-o"}, "--output needs a value");
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--explode"}, "unknown option --explode\n");
+  expect_usage_error({"cage", in, "another.ply", "-o", path("out.ply")}, "unexpected argument 'another.ply'");
+  expect_usage_error({"--explode"}, "unknown option --explode\n");
   expect_usage_error({"check", in, "--explode"}, "--explode");
   expect_usage_error({"info"}, "FILE");
   expect_usage_error({"make", "sphere", "-o", path("out.ply")}, "--faces");
@@ -223,14 +280,26 @@ TEST_F(Cli, UnknownOrMissingArgumentsAreUsageErrors) {
   EXPECT_THAT(left_behind(), testing::ElementsAre("in.ply"));
 }
 
+TEST_F(Cli, AMisspeltNameIsNamedAloneWithTheNearestOne) {
+  const std::string in = file("in.ply", cube());
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--taux", "0"},
+                     "unknown option --taux; did you mean --tau?\n");
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--taux=0"}, "unknown option --taux; did you mean --tau?\n");
+  expect_usage_error({"cage", in, "--ouput", path("out.ply")}, "unknown option --ouput; did you mean --output?\n");
+  expect_usage_error({"cage", "--wedl", in, "-o", path("out.ply")}, "unknown option --wedl; did you mean --weld?\n");
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "-t", "1"}, "unknown option -t\n");
+  expect_usage_error({"chekc", in}, "no such command 'chekc'; did you mean check?\n");
+  expect_usage_error({"--versoin"}, "unknown option --versoin; did you mean --version?\n");
+}
+
 TEST_F(Cli, MalformedValuesAreUsageErrors) {
   const std::string in = file("in.ply", cube());
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"--tau", "1/0"},      {"--tau", "fat"},    {"--tau", "-0.1"},    {"--tau-abs", "0"},
-      {"--tau-mode", "lax"}, {"--cycles", "0"},   {"--cycles", "many"}, {"--schedule", "0.5,0.25,1"},
-      {"--schedule", "0.5"}, {"--schedule", ""},  {"--faces", "-3"},    {"--faces", "1.5"},
-      {"--sigma", "0"},      {"--threads", "-1"}, {"--seed", "x"},      {"--seed", "-1"},
-      {"--threads", "0x2"},  {"--format", "docx"}};
+      {"--tau", "1/0"},      {"--tau", "fat"},     {"--tau", "-0.1"},    {"--tau-abs", "0"},
+      {"--tau-mode", "lax"}, {"--cycles", "0"},    {"--cycles", "many"}, {"--schedule", "0.5,0.25,1"},
+      {"--schedule", "0.5"}, {"--schedule", ""},   {"--schedule", "1,"}, {"--faces", "-3"},
+      {"--faces", "1.5"},    {"--sigma", "0"},     {"--threads", "-1"},  {"--seed", "x"},
+      {"--seed", "-1"},      {"--threads", "0x2"}, {"--format", "docx"}};
   for (const auto& [option, value] : cases) {
     expect_usage_error({"cage", in, "-o", path("out.ply"), option, value}, option);
   }
@@ -242,7 +311,12 @@ TEST_F(Cli, OptionsThatContradictEachOtherAreUsageErrors) {
   expect_usage_error({"cage", in, "-o", path("out.ply"), "--tau", "1/40", "--tau-abs", "1"}, "--tau");
   expect_usage_error({"cage", in, "-o", path("out.ply"), "--cycles", "4", "--schedule", "1"}, "--cycles");
   expect_usage_error({"cage", in, "-o", "-", "--format", "ply", "--stats", "-"}, "--stats");
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--tau", "1/40", "--tau", "1/20"}, "--tau is given more than");
+  expect_usage_error({"cage", in, "-o", path("out.ply"), "--quiet=maybe"}, "--quiet takes no value");
   expect_usage_error({"check", "-", "--cage", "-"}, "--cage");
+  expect_usage_error({"make", "--list", "--faces", "100"}, "--list");
+  expect_usage_error({"make", "sphere", "--list"}, "--list");
+  expect_usage_error({"make", "--list", "--seed", "1"}, "--list");
 }
 
 TEST_F(Cli, TheOutputFormatMustBeKnownBeforeTheRun) {
@@ -251,11 +325,43 @@ TEST_F(Cli, TheOutputFormatMustBeKnownBeforeTheRun) {
   expect_usage_error({"cage", in, "-o", "-"}, "--format");
 }
 
-TEST_F(Cli, OptionsOutOfTheLibrarysRangeAreUsageErrors) {
-  const Outcome outcome = run({"cage", file("in.ply", cube()), "-o", path("out.ply"), "--tau", "2"});
-  EXPECT_EQ(outcome.code, code(ExitCode::usage));
-  EXPECT_THAT(outcome.err, HasSubstr("tau"));
-  EXPECT_FALSE(exists("out.ply"));
+TEST_F(Cli, APictureIsNotWrittenUnderTheNameOfAMesh) {
+  const std::string in = file("in.ply", cube());
+  expect_usage_error({"render", in, "-o", in}, "in.ply");
+  expect_usage_error({"render", in, "-o", path("picture.obj")}, "picture.obj");
+  EXPECT_TRUE(read_mesh(in).ok);
+  EXPECT_THAT(left_behind(), testing::ElementsAre("in.ply"));
+}
+
+// The file is not there: what is refused is refused before it is looked for.
+TEST_F(Cli, RangesAreCheckedBeforeTheInputIsRead) {
+  const std::vector<std::array<std::string, 4>> cases{{"--tau", "1", "1.001", "at most 1\n"},
+                                                      {"--sigma", "0.01", "0.0101", "at most 0.01\n"},
+                                                      {"--cycles", "10000", "10001", "from 1 to 10000\n"},
+                                                      {"--threads", "4096", "4097", "from 0 to 4096\n"},
+                                                      {"--schedule", "1/2,1", "1/2,2", "ends at 1\n"}};
+  for (const auto& [option, largest, beyond, range] : cases) {
+    expect_usage_error({"cage", path("nowhere.ply"), "-o", path("out.ply"), option, beyond}, range);
+    EXPECT_EQ(run({"cage", path("nowhere.ply"), "-o", path("out.ply"), option, largest}).code,
+              code(ExitCode::cannot_read))
+        << option;
+  }
+  expect_usage_error({"render", path("nowhere.ply"), "-o", path("out.png"), "--elevation", "91"}, "from -90 to 90\n");
+  expect_usage_error({"render", path("nowhere.ply"), "-o", path("out.png"), "--azimuth", "nan"}, "from -360 to 360\n");
+  expect_usage_error({"render", path("nowhere.ply"), "-o", path("out.png"), "--width", "15"}, "from 16 to 16384\n");
+}
+
+TEST(ParseCommandLine, AcceptsNoValueThatTheLibraryRefuses) {
+  for (const auto& [option, largest] : std::vector<std::pair<const char*, const char*>>{{"--tau", "1"},
+                                                                                        {"--sigma", "0.01"},
+                                                                                        {"--cycles", "10000"},
+                                                                                        {"--threads", "4096"},
+                                                                                        {"--schedule", "1/3,1"}}) {
+    const std::array arguments{"prcage", "cage", "in.ply", "-o", "out.ply", option, largest};
+    const CommandLine line = parse_command_line(static_cast<int>(arguments.size()), arguments.data());
+    ASSERT_TRUE(line.command.has_value()) << option;
+    EXPECT_EQ(options_error(std::get<CageCommand>(*line.command).options), "") << option;
+  }
 }
 
 // ------------------------------------------------------------------------------------------ reading, writing
@@ -395,6 +501,33 @@ TEST_F(Cli, CheckNamesTheDefectTheElementsAndTheRemedy) {
   EXPECT_EQ(defects[0]["examples"].size(), 3u);
 }
 
+// The cube with a vertex on an edge that one of the two faces there knows and the other does not: the face between
+// them has no area.
+Mesh cube_with_a_face_of_no_area() {
+  Mesh mesh = cube();
+  mesh.positions.push_back({0.5, 0.5, 0});  // on the diagonal from 0 to 3 of the bottom
+  mesh.triangles[0] = {0, 2, 8};
+  mesh.triangles.push_back({8, 2, 3});
+  mesh.triangles.push_back({0, 8, 3});
+  return mesh;
+}
+
+TEST_F(Cli, CheckSaysWhatBecameOfZeroAreaFaces) {
+  Mesh mesh = cube_with_a_face_of_no_area();
+  EXPECT_THAT(run({"check", file("legal.ply", mesh)}).out,
+              AllOf(HasSubstr("valid input"), ContainsRegex("would drop +1 zero-area face\n")));
+
+  Mesh inside_out = mesh;
+  for (auto& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
+  EXPECT_THAT(run({"check", file("inside_out.ply", inside_out)}).out,
+              HasSubstr("note: 1 zero-area face, removed by exact repair\n"));
+
+  mesh.triangles.erase(mesh.triangles.begin() + 5);
+  EXPECT_THAT(run({"check", file("open.ply", mesh)}).out,
+              HasSubstr("note: 1 zero-area face, left out of the test for self-intersections\n"));
+  EXPECT_THAT(run({"check", file("cube.ply", cube())}).out, Not(HasSubstr("zero-area")));
+}
+
 TEST_F(Cli, CheckOfAPair) {
   const std::string in = shape("bumpy", 500);
   ASSERT_EQ(run({"cage", in, "-o", path("cage.obj"), "--quiet"}).code, code(ExitCode::ok));
@@ -466,7 +599,7 @@ TEST_F(Cli, AFractionIsTheSameAsItsDecimal) {
 TEST_F(Cli, StatisticsHoldTheRun) {
   const std::string in = shape("bumpy", 2000);
   ASSERT_EQ(run({"cage", in, "-o", path("cage.stl"), "--stats", path("s.json"), "--tau-abs", "0.25", "--schedule",
-                 "1/4,1/2,1", "--no-flips", "--threads", "2", "--seed", "9", "--tau-mode", "paper"})
+                 "1/4,1/2,1", "--no-edge-flips", "--threads", "2", "--seed", "9", "--tau-mode", "paper"})
                 .code,
             code(ExitCode::ok));
   const json record = stats("s.json");
@@ -542,7 +675,7 @@ TEST_F(Cli, AnInsideOutInputIsRefusedUnlessFlipped) {
   const std::string in = file("in.ply", inside_out);
   const Outcome refused = run({"cage", in, "-o", path("cage.ply")});
   EXPECT_EQ(refused.code, code(ExitCode::invalid_mesh));
-  EXPECT_THAT(refused.err, AllOf(HasSubstr("inside-out"), HasSubstr("--flip")));
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("  inside-out mesh: its faces look inward"), HasSubstr("--flip")));
   EXPECT_EQ(run({"cage", in, "-o", path("cage.ply"), "--flip"}).code, code(ExitCode::ok));
   EXPECT_GT(measure(read_mesh(path("cage.ply")).mesh).volume, 1);
 }
@@ -558,7 +691,9 @@ TEST_F(Cli, AnUnweldedInputIsRefusedUnlessWelded) {
   const std::string in = file("soup.ply", soup);
   const Outcome refused = run({"cage", in, "-o", path("cage.ply")});
   EXPECT_EQ(refused.code, code(ExitCode::invalid_mesh));
-  EXPECT_THAT(refused.err, HasSubstr("try --weld: merging vertices at equal positions closes 36 of 36 boundary edges"));
+  const std::string hint = "try --weld first: merging vertices at equal positions closes 36 of 36 boundary edges";
+  EXPECT_THAT(refused.err, HasSubstr(hint));
+  EXPECT_LT(refused.err.find(hint), refused.err.find("36 boundary edges: ")) << "before the defects";
   const Outcome accepted = run({"cage", in, "-o", path("cage.ply"), "--weld", "--stats", path("s.json")});
   EXPECT_EQ(accepted.code, code(ExitCode::ok));
   EXPECT_THAT(accepted.err, HasSubstr("28 vertices welded"));

@@ -31,7 +31,8 @@ Faces faces_of(const CornerTable& mesh) {
   Faces faces;
   for (std::uint32_t f = 0; f < mesh.face_slots(); ++f)
     if (mesh.face_alive(f))
-      faces.insert(canonical({mesh.corner_vertex[3 * f], mesh.corner_vertex[3 * f + 1], mesh.corner_vertex[3 * f + 2]}));
+      faces.insert(
+          canonical({mesh.corner_vertex[3 * f], mesh.corner_vertex[3 * f + 1], mesh.corner_vertex[3 * f + 2]}));
   return faces;
 }
 

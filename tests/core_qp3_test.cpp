@@ -45,8 +45,7 @@ struct Problem {
   // Smallest slack over the planes; infinity if there are none.
   long double slack(const Long3& x) const {
     long double worst = std::numeric_limits<long double>::infinity();
-    for (std::size_t i = 0; i < size(); ++i)
-      worst = std::min(worst, normal(i).cast<long double>().dot(x) - offset[i]);
+    for (std::size_t i = 0; i < size(); ++i) worst = std::min(worst, normal(i).cast<long double>().dot(x) - offset[i]);
     return worst;
   }
 };
@@ -134,11 +133,12 @@ void check(const Problem& p, Tally& tally) {
     case QpStatus::infeasible: {
       ++tally.infeasible;
       const Optimum inner = brute_force(tightened(p, 1e-6), 1e-17L);
-      EXPECT_FALSE(inner.feasible && inner.x.norm() < 1e4) << "declared infeasible, but there is room at "
-                                                           << inner.x.cast<double>().transpose();
+      EXPECT_FALSE(inner.feasible && inner.x.norm() < 1e4)
+          << "declared infeasible, but there is room at " << inner.x.cast<double>().transpose();
       break;
     }
-    case QpStatus::not_converged: ++tally.not_converged;
+    case QpStatus::not_converged:
+      ++tally.not_converged;
   }
 }
 

@@ -54,7 +54,8 @@ void expect_in_band(const CageState& state, double tau, std::uint32_t h, const V
   const CornerTable& mesh = state.mesh;
   const double edge = (mesh.vec_at(mesh.origin(h)) - mesh.vec_at(mesh.target(h))).norm();
   for (const std::uint32_t f : star_faces(mesh, h)) {
-    const Vec3 a = mesh.vec_at(mesh.origin(3 * f)), b = mesh.vec_at(mesh.target(3 * f)), c = mesh.vec_at(mesh.apex(3 * f));
+    const Vec3 a = mesh.vec_at(mesh.origin(3 * f)), b = mesh.vec_at(mesh.target(3 * f)),
+               c = mesh.vec_at(mesh.apex(3 * f));
     const Vec3 n = (b - a).cross(c - a).normalized();
     const double height = n.dot(p - (a + b + c) / 3);
     EXPECT_GT(height, 0);
@@ -73,7 +74,8 @@ void expect_in_band(const CageState& state, double tau, std::uint32_t h, const V
 double quadric_error(const CornerTable& mesh, std::uint32_t h, const Vec3& p) {
   double sum = 0;
   for (const std::uint32_t f : star_faces(mesh, h)) {
-    const Vec3 a = mesh.vec_at(mesh.origin(3 * f)), b = mesh.vec_at(mesh.target(3 * f)), c = mesh.vec_at(mesh.apex(3 * f));
+    const Vec3 a = mesh.vec_at(mesh.origin(3 * f)), b = mesh.vec_at(mesh.target(3 * f)),
+               c = mesh.vec_at(mesh.apex(3 * f));
     const Vec3 n = (b - a).cross(c - a);
     const double height = n.normalized().dot(p - a);
     sum += 0.5 * n.norm() * height * height;
@@ -240,7 +242,8 @@ void expect_local_minima(const CageState& state, std::uint64_t seed) {
   for (const Candidate& c : selected) {
     edges.insert(c.halfedge);
     EXPECT_EQ(c.key, candidate_key(state.edge_cost[c.halfedge], c.halfedge, seed));
-    for (const std::uint32_t f : star_faces(state.mesh, c.halfedge)) EXPECT_TRUE(faces.insert(f).second) << "shared face";
+    for (const std::uint32_t f : star_faces(state.mesh, c.halfedge))
+      EXPECT_TRUE(faces.insert(f).second) << "shared face";
   }
   EXPECT_EQ(edges, local_minima(state, seed));
   const bool any = std::any_of(state.edge_cost.begin(), state.edge_cost.end(), [](float c) { return c < no_cost; });
@@ -321,7 +324,8 @@ TEST(Select, FlipsHaveNoVertexInCommonAndAreTheMinimaAtTheirFour) {
       std::set<std::uint32_t> expected;
       for (const Candidate& k : candidates) {
         const auto v = quad(k.halfedge);
-        if (std::all_of(v.begin(), v.end(), [&](std::uint32_t u) { return best[u] == k.key; })) expected.insert(k.halfedge);
+        if (std::all_of(v.begin(), v.end(), [&](std::uint32_t u) { return best[u] == k.key; }))
+          expected.insert(k.halfedge);
       }
       std::set<std::uint32_t> selected, vertices;
       for (const Candidate& k : select_independent_flips(mesh, candidates)) {

@@ -144,9 +144,9 @@ TEST(InitialCage, IsCertifiedAtNeedlesAndSaddles) {
     }
   // A needle: base triangle of unit size, apex very high.
   for (const double height : {10.0, 1e3, 1e5})
-    expect_certified(testing::mapped(testing::tetrahedron(),
-                                     [&](const Vec3& p) { return Vec3(p.x(), p.y(), p.z() * height); }),
-                     1e-5);
+    expect_certified(
+        testing::mapped(testing::tetrahedron(), [&](const Vec3& p) { return Vec3(p.x(), p.y(), p.z() * height); }),
+        1e-5);
 }
 
 TEST(InitialCage, IsCertifiedOnFoldedSheets) {
@@ -163,7 +163,8 @@ TEST(InitialCage, IsCertifiedAtSpikyStars) {
   std::uniform_real_distribution<double> factor(0.02, 3);
   for (int trial = 0; trial < 40; ++trial) {
     // Radial displacement keeps a star-shaped solid, however wild the radii.
-    const Mesh input = testing::mapped(testing::sphere(1 + trial % 3), [&](const Vec3& p) -> Vec3 { return factor(random) * p; });
+    const Mesh input =
+        testing::mapped(testing::sphere(1 + trial % 3), [&](const Vec3& p) -> Vec3 { return factor(random) * p; });
     SCOPED_TRACE(trial);
     expect_certified(input, 1e-5);
   }
@@ -172,10 +173,9 @@ TEST(InitialCage, IsCertifiedAtSpikyStars) {
 TEST(InitialCage, StepsAreHalvedOnlyInTheNarrowGap) {
   // Two plates; a bump of the lower one comes within 1e-7 l of the upper one in the middle.
   const double gap = 1e-7 * std::sqrt(3);
-  const auto bump = [gap](double x, double y) {
-    return x == 0.5 && y == 0.5 ? 0.5 - gap : 0.1;
-  };
-  const Mesh input = testing::merge(testing::plate(8, 1, [](double, double) { return 0.0; }, bump),
+  const auto bump = [gap](double x, double y) { return x == 0.5 && y == 0.5 ? 0.5 - gap : 0.1; };
+  const Mesh input = testing::merge(testing::plate(
+                                        8, 1, [](double, double) { return 0.0; }, bump),
                                     testing::flat_plate(8, 1, 0.5, 1.0));
   const Displaced d = expect_certified(input, 1e-5);
   const double full = *std::max_element(d.first.step.begin(), d.first.step.end());
@@ -225,8 +225,7 @@ TEST(InitialCage, IsCertifiedWhereASolidReachesIntoTheCap) {
     for (const double gap : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
       const Vec3 out = testing::random_unit(random);
       const double turn = trial % 2 == 0 ? 4.7 : 5.9;
-      const Mesh input =
-          testing::merge(testing::thin_sector(12, turn, 0.05), needle_towards_origin(gap * out));
+      const Mesh input = testing::merge(testing::thin_sector(12, turn, 0.05), needle_towards_origin(gap * out));
       if (!validate(input).valid()) continue;  // the needle pierces the sector
       SCOPED_TRACE(std::to_string(trial) + " " + std::to_string(gap));
       expect_certified(input, 1e-5);
@@ -254,7 +253,8 @@ TEST(InitialCage, FloatPositionsAreFloats) {
 }
 
 TEST(InitialCage, KnowsAnUpperBoundOfTheDistanceOfEachFace) {
-  const Mesh input = testing::merge(testing::shape("spikes", 800), testing::moved(testing::thin_sector(9, 4.7, 0.05), {9, 0, 0}));
+  const Mesh input =
+      testing::merge(testing::shape("spikes", 800), testing::moved(testing::thin_sector(9, 4.7, 0.05), {9, 0, 0}));
   in_arena(2, [&] {
     const Stage stage(input);
     const InitialCage first = stage.displaced(1e-4 * stage.diagonal);

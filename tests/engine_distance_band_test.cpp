@@ -29,7 +29,8 @@ std::vector<Vec3> points_about(const Mesh& mesh, std::size_t count, double reach
   for (std::size_t i = 0; i < count; ++i) {
     const auto c = testing::corners(mesh, mesh.triangles[random() % mesh.triangles.size()]);
     const double s = unit(random), t = unit(random) * (1 - s);
-    points.push_back(c[0] + s * (c[1] - c[0]) + t * (c[2] - c[0]) + reach * unit(random) * testing::random_unit(random));
+    points.push_back(c[0] + s * (c[1] - c[0]) + t * (c[2] - c[0]) +
+                     reach * unit(random) * testing::random_unit(random));
   }
   return points;
 }

@@ -101,11 +101,12 @@ inline Mesh plate(std::uint32_t n, double size, const std::function<double(doubl
 }
 
 inline Mesh flat_plate(std::uint32_t n, double size, double bottom, double top) {
-  return plate(n, size, [=](double, double) { return bottom; }, [=](double, double) { return top; });
+  return plate(
+      n, size, [=](double, double) { return bottom; }, [=](double, double) { return top; });
 }
 
-// A disc without a slice that gets thinner towards its centre, where all its faces meet: beyond half a turn no direction
-// clears both its upper and its lower side, so that vertex 0 is singular.
+// A disc without a slice that gets thinner towards its centre, where all its faces meet: beyond half a turn no
+// direction clears both its upper and its lower side, so that vertex 0 is singular.
 inline Mesh thin_sector(std::uint32_t steps, double turn, double half_thickness) {
   Mesh mesh;
   mesh.positions.push_back({0, 0, 0});
@@ -148,11 +149,12 @@ inline Mesh z_fold(double thickness, double gap) {
   // Outline in the x-z plane, counterclockwise, extruded along y.
   const double pitch = thickness + gap;
   const std::vector<std::array<double, 2>> outline{
-      {0, 0}, {1, 0}, {1, pitch + thickness}, {0.2, pitch + thickness}, {0.2, 2 * pitch}, {1, 2 * pitch},
-      {1, 2 * pitch + thickness}, {0, 2 * pitch + thickness}, {0, pitch}, {0.8, pitch}, {0.8, thickness}, {0, thickness}};
+      {0, 0},           {1, 0},         {1, pitch + thickness},     {0.2, pitch + thickness},
+      {0.2, 2 * pitch}, {1, 2 * pitch}, {1, 2 * pitch + thickness}, {0, 2 * pitch + thickness},
+      {0, pitch},       {0.8, pitch},   {0.8, thickness},           {0, thickness}};
   // Ear-free caps: each layer of the Z is a rectangle between these corners of the outline.
-  const std::vector<std::array<std::uint32_t, 3>> cap{{0, 1, 10}, {0, 10, 11}, {1, 2, 9},  {1, 9, 10}, {2, 3, 9},
-                                                      {3, 8, 9},  {3, 4, 8},   {4, 7, 8},  {4, 5, 6},  {4, 6, 7}};
+  const std::vector<std::array<std::uint32_t, 3>> cap{{0, 1, 10}, {0, 10, 11}, {1, 2, 9}, {1, 9, 10}, {2, 3, 9},
+                                                      {3, 8, 9},  {3, 4, 8},   {4, 7, 8}, {4, 5, 6},  {4, 6, 7}};
   Mesh mesh;
   const auto n = static_cast<std::uint32_t>(outline.size());
   for (const double y : {0.0, 1.0})

@@ -17,7 +17,7 @@ ExitCode report(const std::string& text, ExitCode verdict) {
 }
 
 std::string validation_text(const InputMesh& input, const Validation& validation) {
-  return validation_headline(input, validation) + "\n" + validation_details(input, validation);
+  return fmt::format("{}\n{}", validation_headline(input, validation), validation_details(input, validation));
 }
 
 ExitCode check_input(const CheckCommand& command, const InputMesh& input) {

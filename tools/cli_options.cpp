@@ -2,12 +2,18 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <initializer_list>
 #include <iostream>
+#include <limits>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
+
+#include "tools/cli_help.h"
 
 namespace prcage {
 namespace {
@@ -28,47 +34,84 @@ bool parse_decimal(std::string_view text, double& value) {
 
 // --------------------------------------------------------------------------------- options of several commands
 
-CLI::Option* add_ratio(CLI::App& app, const std::string& name, double& value, const std::string& help) {
-  const auto parse = [name, &value](const std::string& text) {
-    if (!parse_ratio(text, value)) {
-      throw CLI::ValidationError(name, "'" + text + "' is not a positive number such as 0.025 or 1/40");
+// A positive number of at most `most`.
+CLI::Option* add_ratio(CLI::App& app, const std::string& name, double& value, double most, const std::string& help) {
+  const auto parse = [name, &value, most](const std::string& text) {
+    double parsed = 0;
+    if (!parse_ratio(text, parsed)) {
+      throw CLI::ValidationError(name, fmt::format("'{}' is not a positive number such as 0.025 or 1/40", text));
     }
+    if (parsed > most) {
+      throw CLI::ValidationError(name, fmt::format("'{}' is out of range: above 0, at most {}", text, most));
+    }
+    value = parsed;
   };
-  return app.add_option_function<std::string>(name, parse, help)->type_name("NUMBER");
+  return app.add_option_function<std::string>(name, parse, help)->type_name("X");
 }
 
-// Whole decimal number of at least `least`. The parser's own conversion takes -1 as a huge unsigned number and 010 as
-// an octal one.
 template <typename Integer>
-CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, Integer least, const std::string& help) {
-  const auto parse = [name, &value, least](const std::string& text) {
+struct CountRange {
+  Integer least = 0;
+  Integer most = std::numeric_limits<Integer>::max();
+
+  std::string text() const {
+    const bool bounded = most < std::numeric_limits<Integer>::max();
+    return bounded ? fmt::format("from {} to {}", least, most) : fmt::format("of at least {}", least);
+  }
+};
+
+// Whole decimal number in a range. The parser's own conversion takes -1 as a huge unsigned number and 010 as an octal
+// one.
+template <typename Integer>
+CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, CountRange<Integer> range,
+                       const std::string& help) {
+  const auto parse = [name, &value, range](const std::string& text) {
     Integer parsed{};
     const char* end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, parsed);
-    if (error != std::errc{} || stop != end || parsed < least) {
-      throw CLI::ValidationError(name, fmt::format("'{}' is not a whole number of at least {}", text, least));
+    if (error != std::errc{} || stop != end || parsed < range.least || parsed > range.most) {
+      throw CLI::ValidationError(name, fmt::format("'{}' is not a whole number {}", text, range.text()));
     }
     value = parsed;
   };
   return app.add_option_function<std::string>(name, parse, help)->type_name("N");
 }
 
+void add_degrees(CLI::App& app, const std::string& name, double& value, double most, const std::string& help) {
+  const auto parse = [name, &value, most](const std::string& text) {
+    double parsed = 0;
+    if (!parse_decimal(text, parsed) || !(std::abs(parsed) <= most)) {
+      throw CLI::ValidationError(name, fmt::format("'{}' is not a number from {} to {}", text, -most, most));
+    }
+    value = parsed;
+  };
+  app.add_option_function<std::string>(name, parse, help)->type_name("DEGREES");
+}
+
 void add_format(CLI::App& app, std::optional<MeshFormat>& format) {
   const auto parse = [&format](const std::string& name) {
     if (!parse_mesh_format(name, format.emplace())) {
-      throw CLI::ValidationError("--format", "no such format '" + name + "'");
+      throw CLI::ValidationError("--format", fmt::format("no such format '{}'", name));
     }
   };
-  app.add_option_function<std::string>("--format", parse, "Format to write; by default from the extension of FILE")
-      ->type_name("ply|ply-ascii|obj|stl|stl-ascii|off");
+  app.add_option_function<std::string>("--format", parse,
+                                       "Format to write: ply, ply-ascii, obj, stl, stl-ascii, off\n"
+                                       "[by the extension of the output]")
+      ->type_name("NAME");
 }
 
 void add_threads(CLI::App& app, int& threads) {
-  add_count(app, "--threads", threads, 0, "Threads; 0: as many as the machine has [0]. The result is the same");
+  add_count(app, "--threads", threads, {0, 4096},
+            "Threads; 0: as many as the machine has [0];\nthe result does not depend on it");
+}
+
+// The parser would accept "--quiet=maybe" and pass over the value.
+void add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& help) {
+  app.add_flag(name, value, help)->disable_flag_override();
 }
 
 void add_weld(CLI::App& app, bool& weld) {
-  app.add_flag("--weld", weld, "Merge vertices of the input at equal positions (STL is always welded)");
+  add_flag(app, "--weld", weld, "Merge vertices of the input at equal positions (STL is always welded)");
 }
 
 // The format to write `path` in: as asked for, or as its extension says.
@@ -76,77 +119,87 @@ MeshFormat output_format(const std::string& path, const std::optional<MeshFormat
   MeshFormat format{};
   if (asked) return *asked;
   if (mesh_format_of_path(path, format)) return format;
-  const std::string what = path == "-" ? "standard output has no extension"
-                                       : "the extension of '" + path + "' is none of .ply, .obj, .stl, .off";
-  throw CLI::ValidationError("--output", what + ": say --format");
+  const std::string what = path == "-" ? std::string("standard output has no extension")
+                                       : fmt::format("the extension of '{}' is none of .ply, .obj, .stl, .off", path);
+  throw CLI::ValidationError("--output", fmt::format("{}: say --format", what));
 }
 
 // ----------------------------------------------------------------------------------------------- the commands
+//
+// The ranges are those of the library, refused here before a large file is read.
 
 std::vector<double> parse_schedule(const std::string& text) {
   std::vector<double> schedule;
-  for (const std::string& step : CLI::detail::split(text, ',')) {
+  bool rises = true;
+  const std::string steps = fmt::format("{},", text);  // every step ends in a comma, an empty last one, too
+  for (const std::string& step : CLI::detail::split(steps, ',')) {
     double beta = 0;
-    if (!parse_ratio(step, beta) || beta > 1 || (!schedule.empty() && beta <= schedule.back())) {
-      throw CLI::ValidationError("--schedule", "'" + text + "' is not a rising list of numbers in (0, 1]");
-    }
+    rises = rises && parse_ratio(step, beta) && (schedule.empty() || beta > schedule.back());
     schedule.push_back(beta);
   }
-  if (schedule.empty() || schedule.back() != 1) throw CLI::ValidationError("--schedule", "the last step must be 1");
-  return schedule;
+  if (rises && !schedule.empty() && schedule.back() == 1) return schedule;
+  throw CLI::ValidationError("--schedule",
+                             fmt::format("'{}' is not a rising list of numbers above 0 that ends at 1", text));
 }
 
 TauMode parse_tau_mode(const std::string& mode) {
   if (mode == "strict") return TauMode::strict;
   if (mode == "paper") return TauMode::paper;
-  throw CLI::ValidationError("--tau-mode", "'" + mode + "' is neither strict nor paper");
+  throw CLI::ValidationError("--tau-mode", fmt::format("'{}' is neither strict nor paper", mode));
 }
 
 void add_tau(CLI::App& app, Options& options) {
-  CLI::Option* tau = add_ratio(app, "--tau", options.tau,
+  CLI::Option* tau = add_ratio(app, "--tau", options.tau, 1,
                                "Thickness of the band around the input that the cage may use,\n"
                                "relative to the diagonal of its bounding box, at most 1 [1/40]");
-  CLI::Option* absolute = add_ratio(app, "--tau-abs", options.tau_absolute, "The same in the unit of the input");
+  CLI::Option* absolute = add_ratio(app, "--tau-abs", options.tau_absolute, std::numeric_limits<double>::infinity(),
+                                    "The same in the unit of the input, instead of --tau");
   tau->excludes(absolute);
   app.add_option_function<std::string>(
          "--tau-mode", [&options](const std::string& mode) { options.tau_mode = parse_tau_mode(mode); },
-         "strict: every point of the cage is proved within tau [default];\n"
+         "strict: every point of the cage is proved within tau [strict]\n"
          "paper: only the centroids of the faces are tested")
       ->type_name("strict|paper");
 }
 
 void add_schedule(CLI::App& app, Options& options) {
-  CLI::Option* cycles = add_count(app, "--cycles", options.cycles, 1, "Uniform steps in which tau is released [10]");
+  CLI::Option* cycles =
+      add_count(app, "--cycles", options.cycles, {1, 10000}, "Uniform steps in which tau is released, 1 to 10000 [10]");
   app.add_option_function<std::string>(
          "--schedule", [&options](const std::string& text) { options.schedule = parse_schedule(text); },
-         "The steps themselves: rising fractions of tau that end at 1, e.g. 1/8,1/4,1/2,1")
-      ->type_name("B1,B2,...")
+         "The steps themselves, instead of --cycles: rising fractions of tau\n"
+         "that end at 1, e.g. 1/8,1/4,1/2,1")
+      ->type_name("X1,X2,...")
       ->excludes(cycles);
 }
 
-void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_flips) {
-  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - reads standard input")
+void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips) {
+  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
       ->required()
       ->type_name("");
-  app.add_option("-o,--output", command.output, "Cage to write; - writes standard output (needs --format)")
+  app.add_option("-o,--output", command.output, "Cage to write (required); - is standard output, needs --format")
       ->required()
-      ->type_name("FILE");
+      ->type_name("OUTPUT");
   add_tau(app, command.options);
   add_schedule(app, command.options);
-  add_count(app, "--faces", command.options.face_budget, std::size_t{0},
-            "Stop at N faces (or one below, where parity demands); 0: as few as tau allows [0]");
-  app.add_flag("--no-flips", no_flips, "Do not flip edges between the cycles");
-  add_ratio(app, "--sigma", command.options.sigma, "First displacement off the input, relative to the diagonal [1e-5]");
+  add_count(app, "--faces", command.options.face_budget, {},
+            "Stop at N faces (or one below, where parity demands);\n0: as few as tau allows [0]");
+  add_flag(app, "--no-edge-flips", no_edge_flips, "Leave out the edge flips that improve triangles between the cycles");
+  add_ratio(app, "--sigma", command.options.sigma, 0.01,
+            "First displacement off the input, relative to the diagonal,\nat most 0.01 [1e-5]");
   add_threads(app, command.options.threads);
-  add_count(app, "--seed", command.options.seed, std::uint64_t{0}, "Breaks ties between edges of equal cost [0]");
-  app.add_flag("--flip", command.options.accept_inside_out, "Turn an inside-out input round instead of refusing it");
+  add_count(app, "--seed", command.options.seed, {},
+            "Breaks ties between edges of equal cost [0];\nthe same seed gives the same result");
+  add_flag(app, "--flip", command.options.accept_inside_out,
+           "Accept an inside-out input, whose faces look inward: turn it\nround instead of refusing it");
   add_weld(app, command.weld);
-  app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails")->type_name("FILE");
+  app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
+      ->type_name("FILE");
   add_format(app, format);
-  app.add_flag("--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
-  app.callback([&command, &format, &no_flips] {
+  add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
+  app.callback([&command, &format, &no_edge_flips] {
     command.format = output_format(command.output, format);
-    command.options.flips = !no_flips;
+    command.options.flips = !no_edge_flips;
     if (command.output == "-" && command.stats == "-") {
       throw CLI::ValidationError("--stats", "the cage and the statistics cannot both go to standard output");
     }
@@ -154,9 +207,10 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
 }
 
 void add_check(CLI::App& app, CheckCommand& command) {
-  app.add_option("INPUT", command.input, "Mesh to validate; - reads standard input")->required()->type_name("");
-  app.add_option("--cage", command.cage, "Certify this cage against INPUT instead")->type_name("FILE");
-  app.add_flag("--json", command.json, "Report as JSON");
+  app.add_option("INPUT", command.input, "Mesh to validate; - is standard input")->required()->type_name("");
+  app.add_option("--cage", command.cage, "Certify this cage against INPUT instead; - is standard input")
+      ->type_name("FILE");
+  add_flag(app, "--json", command.json, "Report as JSON");
   add_weld(app, command.weld);
   add_threads(app, command.threads);
   app.callback([&command] {
@@ -167,20 +221,25 @@ void add_check(CLI::App& app, CheckCommand& command) {
 }
 
 void add_info(CLI::App& app, InfoCommand& command) {
-  app.add_option("FILE", command.file, "Mesh file; - reads standard input")->required()->type_name("");
-  app.add_flag("--json", command.json, "Report as JSON");
+  app.add_option("FILE", command.file, "Mesh file; - is standard input")->required()->type_name("");
+  add_flag(app, "--json", command.json, "Report as JSON");
 }
 
 void add_make(CLI::App& app, MakeCommand& command, std::optional<MeshFormat>& format) {
   app.add_option("SHAPE", command.shape, "Name of a built-in shape (see --list)")->type_name("");
-  app.add_flag("--list", command.list, "Name the shapes");
-  add_count(app, "--faces", command.faces, std::size_t{1}, "Faces of the mesh, roughly");
-  add_count(app, "--seed", command.seed, std::uint64_t{0}, "Varies the shape [0]");
-  app.add_option("-o,--output", command.output, "Mesh to write; - writes standard output (needs --format)")
-      ->type_name("FILE");
+  add_flag(app, "--list", command.list, "Name the shapes; takes no other argument");
+  add_count(app, "--faces", command.faces, {1},
+            "Faces of the mesh (required), met within a few percent from 1000 on;\n"
+            "the gyroid within 20 percent");
+  add_count(app, "--seed", command.seed, {}, "Varies the shape [0]; the same seed gives the same mesh");
+  app.add_option("-o,--output", command.output, "Mesh to write (required); - is standard output, needs --format")
+      ->type_name("OUTPUT");
   add_format(app, format);
-  app.callback([&command, &format] {
-    if (command.list) return;
+  app.callback([&app, &command, &format] {
+    if (command.list) {
+      if (app.parse_order().size() > 1) throw CLI::ValidationError("--list", "takes no other argument");
+      return;
+    }
     if (command.shape.empty()) throw CLI::RequiredError("SHAPE");
     if (command.faces == 0) throw CLI::RequiredError("--faces");
     if (command.output.empty()) throw CLI::RequiredError("--output");
@@ -196,36 +255,44 @@ struct RenderSwitches {
 };
 
 void add_camera(CLI::App& app, RenderOptions& options) {
-  app.add_option("--azimuth", options.azimuth, "Where the camera is: 0 the +z side, 90 the +x side [30]")
-      ->type_name("DEGREES");
-  app.add_option("--elevation", options.elevation, "90 is straight above [18]")
-      ->check(CLI::Range(-90.0, 90.0))
-      ->type_name("DEGREES");
-  app.add_flag("--z-up", options.z_up, "The z axis is up instead of y; azimuth 0 is then the -y side");
+  add_degrees(app, "--azimuth", options.azimuth, 360, "Where the camera is: 0 the +z side, 90 the +x side [30]");
+  add_degrees(app, "--elevation", options.elevation, 90, "Height of the camera: 90 is straight above, -90 below [18]");
+  add_flag(app, "--z-up", options.z_up, "The z axis is up instead of y; azimuth 0 is then the -y side");
+}
+
+void add_picture(CLI::App& app, RenderCommand& command, RenderSwitches& switches) {
+  app.add_option("-o,--output", command.output, "PNG picture to write (required); - is standard output")
+      ->required()
+      ->type_name("OUTPUT");
+  add_count(app, "--width", command.options.width, {16, 16384},
+            "Pixels of the whole picture across, 16 to 16384 [1800]");
+  add_count(app, "--height", command.options.height, {16, 16384}, "Pixels of it from top to bottom, 16 to 16384 [640]");
+  add_count(app, "--samples", command.options.samples, {1, 16}, "Samples of a pixel along each axis, 1 to 16 [4]");
+  add_flag(app, "--single", switches.single, "One picture, cage over input");
+  add_flag(app, "--facets", switches.facets, "Draw the facets of the input instead of smooth shading");
+  add_flag(app, "--no-shadow", switches.no_shadow, "No shadow on the ground");
+}
+
+// A name that promises another format than PNG is a slip, and may be that of a mesh that is still needed.
+void check_picture_name(const std::string& path) {
+  const std::string extension = CLI::detail::to_lower(std::filesystem::path(path).extension().string());
+  if (extension.empty() || extension == ".png") return;
+  throw CLI::ValidationError(
+      "--output",
+      fmt::format("'{}' is not the name of a PNG picture: end it in .png, or leave out the extension", path));
 }
 
 void add_render(CLI::App& app, RenderCommand& command, RenderSwitches& switches) {
-  app.add_option("INPUT", command.input, "Mesh to draw; - reads standard input")->required()->type_name("");
+  app.add_option("INPUT", command.input, "Mesh to draw; - is standard input")->required()->type_name("");
   app.add_option("CAGE", command.cage, "Its cage: draws input, cage over input and cage, side by side")->type_name("");
-  app.add_option("-o,--output", command.output, "PNG picture to write; - writes standard output")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--width", command.options.width, "Pixels of the whole picture [1800]")
-      ->check(CLI::Range(16, 16384))
-      ->type_name("N");
-  app.add_option("--height", command.options.height, "[640]")->check(CLI::Range(16, 16384))->type_name("N");
+  add_picture(app, command, switches);
   add_camera(app, command.options);
-  app.add_flag("--single", switches.single, "One picture, cage over input");
-  app.add_flag("--facets", switches.facets, "Draw the facets of the input instead of smooth shading");
-  app.add_flag("--no-shadow", switches.no_shadow, "No shadow on the ground");
-  app.add_option("--samples", command.options.samples, "Samples of a pixel along each axis [4]")
-      ->check(CLI::Range(1, 16))
-      ->type_name("N");
   add_threads(app, command.options.threads);
   app.callback([&command, &switches] {
     command.options.panels = !switches.single;
     command.options.smooth = !switches.facets;
     command.options.shadow = !switches.no_shadow;
+    check_picture_name(command.output);
     if (command.input == "-" && command.cage == "-") {
       throw CLI::ValidationError("CAGE", "the mesh and the cage cannot both come from standard input");
     }
@@ -242,24 +309,50 @@ struct Parsed {
   RenderSwitches render_switches;
   std::optional<MeshFormat> cage_format;
   std::optional<MeshFormat> make_format;
-  bool no_flips = false;
+  bool no_edge_flips = false;
   std::string help_topic;
 };
 
+constexpr const char* example_help =
+    "COMMAND is required; 'prcage COMMAND --help' describes it.\n\n"
+    "Example:\n"
+    "  prcage make knot --faces 20000 -o knot.ply\n"
+    "  prcage cage knot.ply -o knot-cage.ply\n"
+    "  prcage check knot.ply --cage knot-cage.ply\n\n";
+
+// `codes`: those that the command can return beside those of every command.
+CLI::App& add_command(CLI::App& app, const std::string& name, const std::string& what, std::vector<std::string> usages,
+                      std::initializer_list<ExitCode> codes) {
+  std::vector<ExitCode> all{ExitCode::ok, ExitCode::internal_error, ExitCode::usage};
+  all.insert(all.end(), codes);
+  CLI::App* command = app.add_subcommand(name, what)->group("Commands");
+  set_help(*command, std::move(usages), exit_codes_help(all));
+  return *command;
+}
+
 void add_commands(CLI::App& app, Parsed& parsed) {
-  add_cage(*app.add_subcommand("cage", "Make a certified cage of few faces around a dense mesh"), parsed.cage,
-           parsed.cage_format, parsed.no_flips);
-  add_check(*app.add_subcommand("check", "Validate a mesh, or certify a cage against a mesh"), parsed.check);
-  add_info(*app.add_subcommand("info", "Describe a mesh file"), parsed.info);
-  add_make(*app.add_subcommand("make", "Write a built-in shape"), parsed.make, parsed.make_format);
-  add_render(*app.add_subcommand("render", "Draw a mesh, and its cage, as a PNG picture"), parsed.render,
-             parsed.render_switches);
-  app.add_subcommand("help", "Describe a command")
-      ->add_option("COMMAND", parsed.help_topic, "Name of the command")
+  using enum ExitCode;
+  add_cage(
+      add_command(app, "cage", "Make a certified cage of few faces around a dense mesh", {"INPUT -o OUTPUT [OPTIONS]"},
+                  {cannot_read, invalid_mesh, face_budget_not_reached, no_cage, cannot_write, interrupted}),
+      parsed.cage, parsed.cage_format, parsed.no_edge_flips);
+  add_check(add_command(app, "check", "Validate a mesh, or certify a cage against a mesh",
+                        {"INPUT [OPTIONS]", "INPUT --cage FILE [OPTIONS]"},
+                        {cannot_read, invalid_mesh, no_cage, cannot_write}),
+            parsed.check);
+  add_info(add_command(app, "info", "Describe a mesh file", {"FILE [OPTIONS]"}, {cannot_read, cannot_write}),
+           parsed.info);
+  add_make(add_command(app, "make", "Write a built-in shape", {"SHAPE --faces N -o OUTPUT [OPTIONS]", "--list"},
+                       {cannot_write}),
+           parsed.make, parsed.make_format);
+  add_render(add_command(app, "render", "Draw a mesh, and its cage, as a PNG picture",
+                         {"INPUT [CAGE] -o OUTPUT [OPTIONS]"}, {cannot_read, invalid_mesh, cannot_write}),
+             parsed.render, parsed.render_switches);
+  add_command(app, "help", "Describe a command", {"[COMMAND]"}, {})
+      .add_option("COMMAND", parsed.help_topic, "Name of the command")
       ->type_name("");
-  for (CLI::App* command : app.get_subcommands({})) command->footer(exit_codes_help);
   app.require_subcommand(0, 1);  // none is refused below: the parser would complain of it before a misspelt one
-  app.footer(exit_codes_help);
+  set_help(app, {"COMMAND [ARGUMENTS] [OPTIONS]"}, example_help + exit_codes_help(all_exit_codes));
   app.set_version_flag("--version", &version_text, "Print the version and the licences, and exit");
 }
 
@@ -267,7 +360,7 @@ void add_commands(CLI::App& app, Parsed& parsed) {
 void print_help(const CLI::App& app, const std::string& topic) {
   if (topic.empty()) throw CLI::CallForHelp();
   const auto commands = app.get_subcommands([&](const CLI::App* command) { return command->get_name() == topic; });
-  if (commands.empty()) throw CLI::ValidationError("help", "no such command '" + topic + "'");
+  if (commands.empty()) throw CLI::ValidationError(unknown_command(app, topic));
   std::cout << commands.front()->help("prcage");
 }
 
@@ -278,12 +371,6 @@ std::optional<Command> chosen(const CLI::App& app, const Parsed& parsed) {
   if (app.got_subcommand("make")) return parsed.make;
   if (app.got_subcommand("render")) return parsed.render;
   return std::nullopt;
-}
-
-std::string usage_error(const CLI::App* app, const CLI::Error& error) {
-  const auto commands = app->get_subcommands();
-  const std::string command = commands.empty() ? "" : " " + commands.front()->get_name();
-  return fmt::format("prcage: error: {}\nTry 'prcage{} --help'.\n", error.what(), command);
 }
 
 }  // namespace

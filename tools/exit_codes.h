@@ -1,6 +1,8 @@
 // The exit codes of the program, in one place: the code, the help texts and the tests name them from here.
 #pragma once
 
+#include <array>
+
 namespace prcage {
 
 enum class ExitCode : int {
@@ -15,17 +17,35 @@ enum class ExitCode : int {
   interrupted = 130,  // the valid cage reached so far is written
 };
 
+inline constexpr std::array all_exit_codes{
+    ExitCode::ok,          ExitCode::internal_error, ExitCode::usage,
+    ExitCode::cannot_read, ExitCode::invalid_mesh,   ExitCode::face_budget_not_reached,
+    ExitCode::no_cage,     ExitCode::cannot_write,   ExitCode::interrupted,
+};
+
 // For the help texts.
-inline constexpr const char* exit_codes_help =
-    "Exit codes:\n"
-    "  0    done\n"
-    "  1    internal error, or out of memory\n"
-    "  2    unknown or malformed option\n"
-    "  3    a file cannot be read, or is not a mesh\n"
-    "  4    the input mesh is not valid\n"
-    "  5    face budget not reached; the cage is valid and written\n"
-    "  6    no cage possible, or a certificate failed; nothing written\n"
-    "  7    a file cannot be written\n"
-    "  130  interrupted; the valid cage reached so far is written";
+constexpr const char* meaning(ExitCode code) {
+  switch (code) {
+    case ExitCode::ok:
+      return "done";
+    case ExitCode::internal_error:
+      return "internal error, or out of memory";
+    case ExitCode::usage:
+      return "unknown or malformed command, argument or option";
+    case ExitCode::cannot_read:
+      return "a file cannot be read, or is not a mesh";
+    case ExitCode::invalid_mesh:
+      return "the input mesh is not valid";
+    case ExitCode::face_budget_not_reached:
+      return "face budget not reached; the cage is valid and written";
+    case ExitCode::no_cage:
+      return "no cage possible, or a certificate failed; no cage written";
+    case ExitCode::cannot_write:
+      return "a file cannot be written";
+    case ExitCode::interrupted:
+      return "interrupted; the valid cage reached so far is written";
+  }
+  return "";
+}
 
 }  // namespace prcage

@@ -26,7 +26,7 @@ std::string joined(const std::vector<std::string>& parts) { return fmt::format("
 
 struct DefectText {
   const char* one;
-  const char* many;
+  const char* many;  // null: of the mesh as a whole, not to be counted
   const char* meaning;
   const char* remedy;
 };
@@ -34,7 +34,7 @@ struct DefectText {
 DefectText text_of(DefectKind kind) {
   switch (kind) {
     case DefectKind::no_faces:
-      return {"empty mesh", "empty meshes", "there is no face at all",
+      return {"empty mesh", nullptr, "there is no face at all",
               "export the surface as triangles: a cage needs a closed triangle mesh"};
     case DefectKind::index_out_of_range:
       return {"index out of range", "indices out of range", "a face names a vertex that the file does not have",
@@ -72,7 +72,7 @@ DefectText text_of(DefectKind kind) {
       return {"degenerate face", "degenerate faces", "a face has no area and no local repair removes it",
               "collapse or delete these faces (\"remove zero area faces\" in a mesh editor)"};
     case DefectKind::inside_out:
-      return {"inside-out mesh", "inside-out meshes", "the faces look inward, the volume is negative",
+      return {"inside-out mesh", nullptr, "its faces look inward, its volume is negative",
               "turn the faces round, or let `prcage cage --flip` do it"};
     case DefectKind::nested_orientation:
       return {"component that contradicts its nesting", "components that contradict their nesting",
@@ -97,30 +97,58 @@ std::string example_text(const DefectExample& example) {
   std::vector<std::string> parts;
   add_elements(parts, example.faces, "face", "faces");
   add_elements(parts, example.vertices, "vertex", "vertices");
-  parts.push_back("at " + point(example.position));
+  parts.push_back(fmt::format("at {}", point(example.position)));
   return joined(parts);
 }
 
-// Open only because its vertices were never merged? Then says what merging them would do.
-std::string weld_hint(const InputMesh& input) {
+std::size_t count_of(const Validation& validation, DefectKind kind) {
+  std::size_t count = 0;
+  for (const Defect& defect : validation.defects) count += defect.kind == kind ? defect.count : 0;
+  return count;
+}
+
+// Open only because its vertices were never merged? Then says what merging them would do: the other defects may well
+// go with it.
+std::string weld_hint(const InputMesh& input, const Validation& validation) {
+  if (count_of(validation, DefectKind::boundary_edge) == 0) return {};
   const std::size_t before = count_boundary_edges(input.file.mesh);
   Mesh welded = input.file.mesh;
   if (weld_equal_positions(welded) == 0) return {};
   const std::size_t after = count_boundary_edges(welded);
   if (after >= before) return {};
-  return fmt::format("    try --weld: merging vertices at equal positions closes {} of {}\n", before - after,
+  return fmt::format("  try --weld first: merging vertices at equal positions closes {} of {}\n", before - after,
                      counted(before, "boundary edge", "boundary edges"));
 }
 
-void add_defect(std::string& text, const InputMesh& input, const Defect& defect) {
+// Only such a surface has its zero-area faces removed.
+bool is_closed_manifold(const Validation& validation) {
+  using enum DefectKind;
+  const auto none = [&](DefectKind kind) { return count_of(validation, kind) == 0; };
+  return none(boundary_edge) && none(non_manifold_edge) && none(inconsistent_edge) && none(non_manifold_vertex) &&
+         none(duplicate_face);
+}
+
+// What became of the zero-area faces of a mesh that has other defects.
+std::string zero_area_note(const Validation& validation) {
+  const std::size_t all = validation.degenerate_faces;
+  const std::size_t left = count_of(validation, DefectKind::degenerate_face);
+  if (all <= left) return {};
+  if (!is_closed_manifold(validation)) {
+    return fmt::format("  note: {}, left out of the test for self-intersections\n",
+                       counted(all, "zero-area face", "zero-area faces"));
+  }
+  return fmt::format("  note: {}, removed by exact repair\n", counted(all - left, "zero-area face", "zero-area faces"));
+}
+
+void add_defect(std::string& text, const Defect& defect) {
   const DefectText words = text_of(defect.kind);
-  add(text, "  {}: {}\n", counted(defect.count, words.one, words.many), words.meaning);
+  const std::string what = words.many == nullptr ? words.one : counted(defect.count, words.one, words.many);
+  add(text, "  {}: {}\n", what, words.meaning);
   for (const DefectExample& example : defect.examples) add(text, "    {}\n", example_text(example));
   if (defect.count > defect.examples.size() && !defect.examples.empty()) {
     add(text, "    and {} more\n", defect.count - defect.examples.size());
   }
   add(text, "    what to do: {}\n", words.remedy);
-  if (defect.kind == DefectKind::boundary_edge) text += weld_hint(input);
 }
 
 // ---------------------------------------------------------------------------------------- what was done to a mesh
@@ -144,7 +172,7 @@ std::string reader_text(const InputMesh& input) {
 std::string dropped_text(const Validation& validation) {
   std::vector<std::string> parts;
   add_if(parts, validation.unreferenced_vertices, "unreferenced vertex", "unreferenced vertices");
-  add_if(parts, validation.degenerate_faces, "degenerate face", "degenerate faces");
+  add_if(parts, validation.degenerate_faces, "zero-area face", "zero-area faces");
   return joined(parts);
 }
 
@@ -155,7 +183,7 @@ void add_line(std::string& text, const char* label, const std::string& line) {
 // ----------------------------------------------------------------------------------------------- certificate
 
 void add_check(std::string& text, const char* what, bool holds, const std::string& note = {}) {
-  add(text, "  {:<28} {}{}\n", what, holds ? "yes" : "NO", note.empty() ? "" : " (" + note + ")");
+  add(text, "  {:<28} {}{}\n", what, holds ? "yes" : "NO", note.empty() ? "" : fmt::format(" ({})", note));
 }
 
 std::string pairs_note(std::size_t pairs) {
@@ -189,15 +217,15 @@ std::string surface_text(const MeshMeasures& measures) {
 
 std::string validation_headline(const InputMesh& input, const Validation& validation) {
   const std::string name = input_name(input.path);
-  if (validation.valid()) return name + ": valid input";
+  if (validation.valid()) return fmt::format("{}: valid input", name);
   return fmt::format("{}: not a valid input: {} (faces and vertices are counted from 0)", name,
                      counted(validation.defects.size(), "kind of defect", "kinds of defects"));
 }
 
 std::string validation_details(const InputMesh& input, const Validation& validation) {
-  std::string text;
-  for (const Defect& defect : validation.defects) add_defect(text, input, defect);
-  if (!validation.valid()) return text;
+  std::string text = weld_hint(input, validation);
+  for (const Defect& defect : validation.defects) add_defect(text, defect);
+  if (!validation.valid()) return text + zero_area_note(validation);
   add_line(text, "size", fmt::format("{} vertices, {} faces", validation.vertices, validation.faces));
   add_line(text, "surface",
            fmt::format("{}, {}, Euler characteristic {}", counted(validation.components, "component", "components"),
@@ -245,7 +273,7 @@ std::string run_text(const CageCommand& command, const InputMesh& input, const R
 }
 
 std::string info_text(const InputMesh& input, const MeshMeasures& measures) {
-  std::string text = input_name(input.path) + "\n";
+  std::string text = fmt::format("{}\n", input_name(input.path));
   add_line(text, "format",
            fmt::format("{}, {} positions", to_string(input.file.format),
                        input.file.float_positions ? "32-bit" : "64-bit or text"));
@@ -253,13 +281,13 @@ std::string info_text(const InputMesh& input, const MeshMeasures& measures) {
   add_line(text, "reader", reader_text(input));
   if (measures.usable_faces < measures.faces) {
     add_line(text, "not usable",
-             counted(measures.faces - measures.usable_faces, "face", "faces") +
-                 " (index out of range or coordinate not finite)");
+             fmt::format("{} (index out of range or coordinate not finite)",
+                         counted(measures.faces - measures.usable_faces, "face", "faces")));
   }
   if (measures.referenced_vertices < measures.vertices) {
     add_line(text, "not in use", counted(measures.vertices - measures.referenced_vertices, "vertex", "vertices"));
   }
-  add_line(text, "box", point(measures.lower) + " to " + point(measures.upper));
+  add_line(text, "box", fmt::format("{} to {}", point(measures.lower), point(measures.upper)));
   add_line(text, "diagonal", fmt::format("{:.9g}", measures.diagonal));
   add_line(text, "area", fmt::format("{:.9g}", measures.area));
   add_line(text, "volume", fmt::format("{:.9g}", measures.volume));
