@@ -58,7 +58,7 @@ enum class Status {
   invalid_options,          // nothing computed; Result::message names the option
   invalid_input,            // nothing computed; Result::validation lists the defects
   displacement_failed,      // the input could not be moved off itself without a collision: no cage
-  certificate_failed,       // a defect of prcage: the mesh that is returned must not be trusted
+  certificate_failed,       // no cage: a defect of prcage, or rounding to floats (Options::precision) broke it
   internal_error,           // a defect of prcage or of a library; Result::message says what is known
 };
 
@@ -173,8 +173,8 @@ struct Options {
   int threads = 0;                 // 0: as many as the machine has; TBB's limit of the process holds
   bool accept_inside_out = false;  // turn an inside-out input round instead of refusing it
 
-  // Precision in which the caller will store the result. float32 keeps every vertex of the run on a float, so
-  // that what is certified is what is stored.
+  // Precision in which the caller will store the result. float32 places every vertex on a float, so that what is
+  // certified is what is stored. Cages that stop early, with vertices that no collapse has moved, may fail that way.
   Precision precision = Precision::float64;
 };
 

@@ -13,11 +13,11 @@ namespace prcage {
 namespace {
 
 #if defined(__SSE2__)
-constexpr unsigned flush_bits = 0x8040;  // FTZ and DAZ of MXCSR
+constexpr unsigned default_state = 0x1f80;  // of MXCSR: no flushing, rounding to nearest, nothing traps
 unsigned float_state() { return _mm_getcsr(); }
 void set_float_state(unsigned state) { _mm_setcsr(state); }
 #else
-constexpr unsigned flush_bits = 0;
+constexpr unsigned default_state = 0;
 unsigned float_state() { return 0; }
 void set_float_state(unsigned) {}
 #endif
@@ -31,7 +31,7 @@ int resolve(int threads) {
 
 }  // namespace
 
-Arena::FloatState::FloatState() : saved_(float_state()) { set_float_state(saved_ & ~flush_bits); }
+Arena::FloatState::FloatState() : saved_(float_state()) { set_float_state(default_state); }
 Arena::FloatState::~FloatState() { set_float_state(saved_); }
 
 Arena::Arena(int threads) : threads_(resolve(threads)), arena_(threads_) {

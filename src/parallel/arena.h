@@ -14,7 +14,7 @@ class Arena {
 
   int threads() const { return threads_; }
 
-  // Runs f with denormals live on the calling thread and on every worker, and restores the caller's state.
+  // Runs f in the default floating-point state on the calling thread and on every worker, and restores the caller's.
   template <class F>
   void run(F&& f) {
     const FloatState state;
@@ -22,7 +22,7 @@ class Arena {
   }
 
  private:
-  // Clears flush-to-zero and denormals-are-zero for its lifetime.
+  // Denormals live, rounding to nearest, no traps for its lifetime.
   class FloatState {
    public:
     FloatState();

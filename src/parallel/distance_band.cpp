@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t recent_slots = 1024;
 // The memo is dropped when it takes more than this many bytes; it fills again where it is needed.
 constexpr std::uint64_t memo_limit = std::uint64_t{128} << 20;
+// What a thread may find between two calls of absorb(); more is not remembered.
+constexpr std::size_t most_found = std::size_t{1} << 20;
 // Voxels are not made smaller than this fraction of the unit of the tree's frame, which keeps their indices small.
 constexpr double smallest_voxel = 1e-7;
 // A triangle that needs more pieces is given up as undecided: bounds the work for faces that are huge against tau.
@@ -111,7 +113,7 @@ DistanceBand::Near DistanceBand::near(const Vec3& x) {
     if (face < 0) {
       const Vec3 centre = (Vec3(voxel.x(), voxel.y(), voxel.z()) + Vec3::Constant(0.5)) * voxel_size_ + frame_.centre;
       face = static_cast<std::int32_t>(nearest(centre).face);
-      memo.found.push_back({voxel, face});
+      if (memo.found.size() < most_found) memo.found.push_back({voxel, face});
     }
     recent = {voxel, face};
   }

@@ -26,7 +26,10 @@ constexpr double radius_share = 0.25;
 class Displacer {
  public:
   Displacer(const Mesh& surface, const DisplacementSettings& settings)
-      : settings_(settings), mesh_(CornerTable::from_mesh(surface)), direction_(mesh_.vertex_slots()) {
+      : surface_(surface),
+        settings_(settings),
+        mesh_(CornerTable::from_mesh(surface)),
+        direction_(mesh_.vertex_slots()) {
     std::vector<std::uint8_t> regular(mesh_.vertex_slots());
     parallel_each(mesh_.vertex_slots(), default_grain, [&](std::size_t v) {
       regular[v] = displacement_direction(mesh_, static_cast<std::uint32_t>(v), direction_[v]) ? 1 : 0;
@@ -48,14 +51,26 @@ class Displacer {
     return settings_.float_positions ? round_to_floats(p) : position(p);
   }
 
+  // The way of vertex v to twice its move, since what is in the way may come towards it.
+  std::array<Position, 2> way_out(std::size_t v, double step) const {
+    const Vec3 from = start(v, step);
+    return {position(from), position(from + 2 * step * direction_[v])};
+  }
+
+  // The vertex of the surface that became v or that v was cut off from.
+  std::uint32_t vertex_of_surface(std::size_t v) const {
+    const auto cut = cut_off_from_.find(static_cast<std::uint32_t>(v));
+    return cut == cut_off_from_.end() ? static_cast<std::uint32_t>(v) : cut->second;
+  }
+
  private:
   // Where vertex v moves off from. The radius at which a vertex was cut off shrinks with the step, since what is in the
   // way of a cap may be nearer than that, but more slowly, since moves have to become small against the cap.
   Vec3 start(std::size_t v, double step) const {
     const Vec3 p = vec(mesh_.position[v]);
-    const auto cut = cut_off_from_.find(static_cast<std::uint32_t>(v));
-    if (cut == cut_off_from_.end()) return p;
-    return cut->second + std::sqrt(step / first_step(v)) * (p - cut->second);
+    if (!cut_off_from_.contains(static_cast<std::uint32_t>(v))) return p;
+    const Vec3 corner = vec(surface_.positions[vertex_of_surface(v)]);
+    return corner + std::sqrt(step / first_step(v)) * (p - corner);
   }
 
   // Cuts the vertex off; each point of the ring only has the two faces beside its edge to clear.
@@ -77,19 +92,57 @@ class Displacer {
     direction_.resize(mesh_.vertex_slots());
     if (cap.keeps_centre) direction_[v] = cap.centre_direction;
     for (std::size_t i = 0; i < n; ++i) {
-      cut_off_from_[ring[i]] = corner;
+      cut_off_from_[ring[i]] = v;
       const std::array<Vec3, 2> beside{normal[i], normal[(i + n - 1) % n]};
       if (!clearing_direction(beside, direction_[ring[i]])) direction_[ring[i]] = (beside[0] + beside[1]).normalized();
     }
   }
 
+  const Mesh& surface_;
   const DisplacementSettings& settings_;
   CornerTable mesh_;
   std::vector<Vec3> direction_;
-  std::unordered_map<std::uint32_t, Vec3> cut_off_from_;  // of ring points: the singular vertex
+  std::unordered_map<std::uint32_t, std::uint32_t> cut_off_from_;  // of ring points: the singular vertex
   std::size_t singular_ = 0;
   std::size_t capped_ = 0;
 };
+
+// Of the vertices with asked[v] != 0 those whose way out meets the input beyond their own faces.
+std::vector<std::uint8_t> blocked_vertices(const Displacer& displacer, const std::vector<double>& step,
+                                           const std::vector<std::uint8_t>& asked, const SurfaceTree& input,
+                                           const TreeDevice& device) {
+  std::vector<Box> boxes(step.size());
+  parallel_each(step.size(), default_grain, [&](std::size_t v) {
+    if (asked[v] == 0) return;
+    const auto [from, to] = displacer.way_out(v, step[v]);
+    boxes[v] = bounding_box(input.frame(), {from.data(), to.data()});
+  });
+  BoxTree ways(device);
+  ways.build(boxes, TreeQuality::fast_build);
+  std::vector<std::uint8_t> blocked(step.size(), 0);
+  join(ways, input.tree(), [&](std::uint32_t v, std::uint32_t f) {
+    const Triangle& t = input.triangles()[f];
+    if (std::find(t.begin(), t.end(), displacer.vertex_of_surface(v)) != t.end()) return;
+    const auto [from, to] = displacer.way_out(v, step[v]);
+    if (exact::segment_triangle_intersect(from.data(), to.data(), input.corner(f, 0), input.corner(f, 1),
+                                          input.corner(f, 2)))
+      std::atomic_ref(blocked[v]).store(1, std::memory_order_relaxed);
+  });
+  return blocked;
+}
+
+// Halves the steps of vertices that would pass through another sheet of the input. Sheets that have passed through each
+// other no longer meet, except at their rims: the search for conflicts would free one ring of faces after the other.
+void halve_where_blocked(const Displacer& displacer, const SurfaceTree& input, const TreeDevice& device,
+                         std::vector<double>& step) {
+  std::vector<std::uint8_t> asked(step.size(), 1);
+  for (int halving = 0; halving < max_halvings; ++halving) {
+    asked = blocked_vertices(displacer, step, asked, input, device);
+    if (std::find(asked.begin(), asked.end(), 1) == asked.end()) return;
+    for (std::size_t v = 0; v < step.size(); ++v)
+      if (asked[v] != 0) step[v] *= 0.5;
+  }
+}
 
 struct Conflicts {
   FacePairs self;
@@ -132,18 +185,20 @@ Conflicts find_conflicts_at(const std::vector<std::uint32_t>& vertices, const Co
   return {self_intersections(cage, part, some), contacts(part, input)};
 }
 
-// Halves the step at the corners of all faces in conflict. Returns the vertices that changed.
+// Halves the longest steps at the corners of each pair of faces in conflict: corners that made way before stay where
+// they are. Returns the vertices that changed.
 std::vector<std::uint32_t> halve_at(const Conflicts& conflicts, const CornerTable& mesh, std::vector<double>& step) {
   std::vector<std::uint32_t> vertices;
-  const auto add_face = [&](std::uint32_t f) {
-    const Triangle& t = triangles_of(mesh)[f];
-    vertices.insert(vertices.end(), t.begin(), t.end());
+  const auto add = [&](std::initializer_list<std::uint32_t> faces) {
+    double longest = 0;
+    for (const std::uint32_t f : faces)
+      for (const std::uint32_t v : triangles_of(mesh)[f]) longest = std::max(longest, step[v]);
+    for (const std::uint32_t f : faces)
+      for (const std::uint32_t v : triangles_of(mesh)[f])
+        if (step[v] > 0.5 * longest) vertices.push_back(v);
   };
-  for (const auto& [f, g] : conflicts.self.pairs) {
-    add_face(f);
-    add_face(g);
-  }
-  for (const auto& pair : conflicts.input.pairs) add_face(pair[0]);
+  for (const auto& [f, g] : conflicts.self.pairs) add({f, g});
+  for (const auto& pair : conflicts.input.pairs) add({pair[0]});
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   for (const std::uint32_t v : vertices) step[v] *= 0.5;
@@ -201,22 +256,17 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
 
   const std::size_t vertices = mesh.vertex_slots();
   result.step.resize(vertices);
-  parallel_each(vertices, default_grain, [&](std::size_t v) {
-    result.step[v] = displacer.first_step(v);
-    mesh.position[v] = displacer.moved(v, result.step[v]);
-  });
+  parallel_each(vertices, default_grain, [&](std::size_t v) { result.step[v] = displacer.first_step(v); });
+  halve_where_blocked(displacer, input, device, result.step);
+  parallel_each(vertices, default_grain, [&](std::size_t v) { mesh.position[v] = displacer.moved(v, result.step[v]); });
 
-  std::vector<std::uint8_t> was_halved(vertices, 0);
   Conflicts conflicts = find_conflicts(mesh, input, device);
   for (int halving = 0; halving < max_halvings && !conflicts.none(); ++halving) {
     const std::vector<std::uint32_t> changed = halve_at(conflicts, mesh, result.step);
-    for (const std::uint32_t v : changed) {
-      was_halved[v] = 1;
-      mesh.position[v] = displacer.moved(v, result.step[v]);
-    }
+    for (const std::uint32_t v : changed) mesh.position[v] = displacer.moved(v, result.step[v]);
     conflicts = find_conflicts_at(changed, mesh, input, device);
   }
-  result.halved_vertices = static_cast<std::size_t>(std::count(was_halved.begin(), was_halved.end(), 1));
+  for (std::size_t v = 0; v < vertices; ++v) result.halved_vertices += result.step[v] < displacer.first_step(v) ? 1 : 0;
   result.valid = conflicts.none();
   result.self_intersections = std::move(conflicts.self);
   result.contacts = std::move(conflicts.input);

@@ -26,7 +26,7 @@ struct InitialCage {
   std::size_t halved_vertices = 0;
   FacePairs self_intersections;  // what is left if not valid (at most five pairs each): faces of the cage, which begins
                                  // with those of `surface`
-  FacePairs contacts;  // face of the cage, face of the input
+  FacePairs contacts;            // face of the cage, face of the input
 };
 
 // `surface` is the input without degenerate faces; `input` the tree over the input that must not be touched. Runs

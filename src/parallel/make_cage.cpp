@@ -101,7 +101,6 @@ class Pipeline {
     const double share_of_tau = largest_share_of_tau * schedule_of(options_).front() * s.tau;
     settings.longest_move = std::min(longest_move * settings.step, share_of_tau);
     settings.longest_radius = std::min(longest_radius * settings.step, share_of_tau);
-    settings.float_positions = options_.precision == Precision::float32;
     InitialCage first = displace(valid().surface.mesh, valid().tree, settings, device_);
     s.singular_vertices = first.singular_vertices;
     s.capped_vertices = first.capped_vertices;
@@ -123,6 +122,10 @@ class Pipeline {
 
   void finish(const CageState& state) {
     Mesh cage = state.mesh.to_mesh();
+    const bool as_floats = options_.precision == Precision::float32;
+    // Collapses place vertices on floats; those that never moved since C_0 are still doubles.
+    if (as_floats)
+      for (Position& p : cage.positions) p = round_to_floats(vec(p));
     Statistics& s = result_.statistics;
     s.cage_vertices = cage.positions.size();
     s.cage_faces = cage.triangles.size();
@@ -132,7 +135,10 @@ class Pipeline {
       result_.certificate = certify_cage(device_, enclosed(*checked_), cage);
     }
     if (!result_.certificate.valid()) {
-      fail(Status::certificate_failed, "the cage failed its certificate; this is a defect of prcage, please report it");
+      fail(Status::certificate_failed,
+           as_floats ? "the cage does not survive the rounding of its coordinates to floats; store it in a format that "
+                       "holds doubles"
+                     : "the cage failed its certificate; this is a defect of prcage, please report it");
       return;
     }
     result_.cage = std::move(cage);
