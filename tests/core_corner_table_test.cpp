@@ -221,7 +221,7 @@ void expect_operations_keep(const Mesh& start, std::uint64_t seed, int steps) {
   EXPECT_GT(run.flips, 0u);
 }
 
-TEST(CornerTable, CollapsesAndFlipsKeepAClosedManifoldOfTheSameTopology) {
+TEST(CornerTableSlow, CollapsesAndFlipsKeepAClosedManifoldOfTheSameTopology) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     expect_operations_keep(testing::sphere(2), seed, 300);
     expect_operations_keep(testing::torus(8, 6), seed, 300);

@@ -188,7 +188,7 @@ TEST(Qp3, RandomPlanesAgreeWithAllActiveSets) {
 }
 
 // What the engine solves: slabs around faces of a nearly flat star, and a form of rank one with a small ridge.
-TEST(Qp3, SlabsOfFlatStarsAgreeWithAllActiveSets) {
+TEST(Qp3Slow, SlabsOfFlatStarsAgreeWithAllActiveSets) {
   Random random(3);
   Tally tally;
   for (int trial = 0; trial < 1500; ++trial) {
@@ -264,7 +264,7 @@ TEST(Qp3, RedundantPlanesDoNotMoveTheOptimum) {
   }
 }
 
-TEST(Qp3, NearlyParallelPlanesAgreeWithAllActiveSets) {
+TEST(Qp3Slow, NearlyParallelPlanesAgreeWithAllActiveSets) {
   Random random(6);
   Tally tally;
   for (int trial = 0; trial < 1500; ++trial) {
@@ -284,7 +284,7 @@ TEST(Qp3, NearlyParallelPlanesAgreeWithAllActiveSets) {
 }
 
 // Forms whose eigenvalues lie up to ten orders of magnitude apart, and offsets far from one.
-TEST(Qp3, BadlyScaledProblemsStayFeasibleAndNearlyOptimal) {
+TEST(Qp3Slow, BadlyScaledProblemsStayFeasibleAndNearlyOptimal) {
   Random random(7);
   Tally tally;
   for (int trial = 0; trial < 1500; ++trial) {

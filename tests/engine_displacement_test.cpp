@@ -113,7 +113,7 @@ Displaced expect_certified(const Mesh& input, double sigma) {
   return result;
 }
 
-TEST(InitialCage, IsCertifiedOnEveryShape) {
+TEST(InitialCageSlow, IsCertifiedOnEveryShape) {
   for (const ShapeInfo& info : shape_table())
     for (const std::size_t faces : {100u, 2000u})
       for (const double sigma : {1e-7, 1e-5, 1e-3}) {
@@ -158,7 +158,7 @@ TEST(InitialCage, IsCertifiedOnFoldedSheets) {
 }
 
 // Two fans in one vertex's neighbourhood back to back: a disc whose both sides meet the vertex, pierced by spikes.
-TEST(InitialCage, IsCertifiedAtSpikyStars) {
+TEST(InitialCageSlow, IsCertifiedAtSpikyStars) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> factor(0.02, 3);
   for (int trial = 0; trial < 40; ++trial) {
@@ -191,8 +191,20 @@ TEST(InitialCage, StepsAreHalvedOnlyInTheNarrowGap) {
   }
 }
 
+// Sheets much closer to each other than the step, over many rings of faces: where they pass through each other as a
+// whole they meet nowhere but at their rims.
+TEST(InitialCageSlow, IsCertifiedBetweenLargeParallelPlates) {
+  for (const double gap : {1e-3, 1e-5, 1e-7, 1e-9})
+    for (const double sigma : {1e-5, 1e-3}) {
+      SCOPED_TRACE(std::to_string(gap) + " " + std::to_string(sigma));
+      const Mesh input = testing::merge(testing::flat_plate(20, 1, 0, 0.2), testing::flat_plate(20, 1, 0.2 + gap, 0.4));
+      const Displaced d = expect_certified(input, sigma);
+      EXPECT_GT(*std::min_element(d.first.step.begin(), d.first.step.end()), std::min(sigma, gap) / 16);
+    }
+}
+
 // Otherwise strict tau would be lost before the first round.
-TEST(InitialCage, StaysWithinTheLongestMoveAndRadius) {
+TEST(InitialCageSlow, StaysWithinTheLongestMoveAndRadius) {
   const std::vector<Mesh> inputs{testing::thin_sector(9, 4.7, 0.05), testing::thin_sector(24, 5.9, 0.01),
                                  testing::saddle_cone(8, 5.0), testing::shape("spikes", 500)};
   for (const Mesh& input : inputs)
@@ -219,7 +231,7 @@ Mesh needle_towards_origin(const Vec3& tip) {
 }
 
 // The tip of a second solid next to a singular vertex, nearer than the radius at which it would be cut off.
-TEST(InitialCage, IsCertifiedWhereASolidReachesIntoTheCap) {
+TEST(InitialCageSlow, IsCertifiedWhereASolidReachesIntoTheCap) {
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 40; ++trial)
     for (const double gap : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {

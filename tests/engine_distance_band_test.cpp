@@ -111,7 +111,7 @@ double farthest_sample(const std::array<Vec3, 3>& t, const BruteDistance& distan
   return worst;
 }
 
-TEST(DistanceBand, WithinIsNeverClaimedWronglyAndFoundWhereItIsClear) {
+TEST(DistanceBandSlow, WithinIsNeverClaimedWronglyAndFoundWhereItIsClear) {
   for (const Mesh& input : inputs())
     in_arena(1, [&] {
       const Stage stage(input);

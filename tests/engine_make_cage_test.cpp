@@ -21,13 +21,13 @@
 namespace prcage {
 namespace {
 
-using testing::sampled_distance;
 using testing::same;
+using testing::sampled_distance;
 using testing::shape;
 using testing::topology;
 
-const testing::ShapeCase cases[] = {{"sphere", 500, 0},  {"bumpy", 700, 1},   {"spikes", 400, 1}, {"knot", 500, 1},
-                                    {"gyroid", 700, 1},  {"bracket", 300, 1}, {"nested", 500, 1}, {"slabs", 200, 1}};
+const testing::ShapeCase cases[] = {{"sphere", 500, 0}, {"bumpy", 700, 1},   {"spikes", 400, 1}, {"knot", 500, 1},
+                                    {"gyroid", 700, 1}, {"bracket", 300, 1}, {"nested", 500, 1}, {"slabs", 200, 1}};
 
 bool is_float(double x) {
   const volatile float nearest = static_cast<float>(x);  // not to be optimised away, see round_to_float()
@@ -42,8 +42,8 @@ void expect_counts_add_up(const Result& r, const Options& options) {
   EXPECT_EQ(sum.collapses, c.collapses);
   EXPECT_EQ(sum.selected, c.selected);
   EXPECT_EQ(sum.flips, c.flips);
-  EXPECT_EQ(c.selected, c.collapses + c.rejected_orientation + c.rejected_degenerate + c.rejected_tau + c.rejected_cage +
-                            c.rejected_conflict);
+  EXPECT_EQ(c.selected, c.collapses + c.rejected_orientation + c.rejected_degenerate + c.rejected_tau +
+                            c.rejected_cage + c.rejected_conflict);
   EXPECT_GE(c.evaluated, c.rejected_link + c.rejected_infeasible);
   EXPECT_LE(c.flips, c.flips_tried);
   if (!options.flips) {
@@ -122,15 +122,34 @@ Options options_with(double tau, TauMode mode = TauMode::strict) {
 
 // ------------------------------------------------------------------------------------------ shapes and options
 
-class MakeCage : public ::testing::TestWithParam<testing::ShapeCase> {
+// All stages with several threads on small inputs, two runs at a time: what the sanitizers get to see. The Slow ones
+// are too many for them.
+TEST(MakeCage, AllStagesWithSeveralThreads) {
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
+  const Mesh inputs[] = {shape("bumpy", 250), shape("slabs", 60), testing::thin_sector(12, 4.7, 0.02)};
+  Options options = options_with(1.0 / 15);
+  options.cycles = 2;
+  options.threads = 3;
+  for (const Mesh& input : inputs) {
+    Result other;
+    std::thread beside([&] { other = make_cage(input, options); });
+    const Result r = expect_cage(input, options);
+    beside.join();
+    EXPECT_TRUE(same(r.cage, other.cage));
+    options.tau_mode = TauMode::paper;
+    options.precision = Precision::float32;
+  }
+}
+
+class MakeCageSlow : public ::testing::TestWithParam<testing::ShapeCase> {
  protected:
   Mesh input_ = shape(GetParam().name, GetParam().faces, GetParam().seed);
 };
 
-INSTANTIATE_TEST_SUITE_P(Shapes, MakeCage, ::testing::ValuesIn(cases),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Shapes, MakeCageSlow, ::testing::ValuesIn(cases),
+                         [](const auto& test) { return std::string(test.param.name); });
 
-TEST_P(MakeCage, IsSoundForEveryTauAndMode) {
+TEST_P(MakeCageSlow, IsSoundForEveryTauAndMode) {
   for (const double tau : {1.0 / 20, 1.0 / 200})
     for (const TauMode mode : {TauMode::strict, TauMode::paper}) {
       SCOPED_TRACE(std::to_string(tau) + (mode == TauMode::strict ? " strict" : " paper"));
@@ -138,7 +157,7 @@ TEST_P(MakeCage, IsSoundForEveryTauAndMode) {
     }
 }
 
-TEST_P(MakeCage, IsSoundWithoutFlipsAndForOtherSeedsAndSchedules) {
+TEST_P(MakeCageSlow, IsSoundWithoutFlipsAndForOtherSeedsAndSchedules) {
   Options options = options_with(1.0 / 40);
   options.flips = false;
   options.seed = 1;
@@ -146,7 +165,7 @@ TEST_P(MakeCage, IsSoundWithoutFlipsAndForOtherSeedsAndSchedules) {
   expect_cage(input_, options);
   options.flips = true;
   options.seed = 0xfedcba9876543210u;
-  options.schedule = {0.01, 0.3, 1};
+  options.schedule = {0.07, 0.3, 1};
   expect_cage(input_, options);
   options.schedule.clear();
   options.cycles = 17;
@@ -154,7 +173,7 @@ TEST_P(MakeCage, IsSoundWithoutFlipsAndForOtherSeedsAndSchedules) {
   expect_cage(input_, options);
 }
 
-TEST_P(MakeCage, KeepsFloatsIfAskedTo) {
+TEST_P(MakeCageSlow, KeepsFloatsIfAskedTo) {
   for (const double tau : {1.0 / 20, 1.0 / 80}) {
     Options options = options_with(tau);
     options.precision = Precision::float32;
@@ -162,7 +181,7 @@ TEST_P(MakeCage, KeepsFloatsIfAskedTo) {
   }
 }
 
-TEST_P(MakeCage, TighterBandsKeepMoreFaces) {
+TEST_P(MakeCageSlow, TighterBandsKeepMoreFaces) {
   std::size_t faces = 0;
   for (const double tau : {1.0 / 10, 1.0 / 40, 1.0 / 400}) {
     Options options = options_with(tau);
@@ -174,7 +193,7 @@ TEST_P(MakeCage, TighterBandsKeepMoreFaces) {
 }
 
 // All cages of a run are nested: the state after each cycle of the staircase contains the states before it.
-TEST_P(MakeCage, EveryCycleEnclosesTheCyclesBefore) {
+TEST_P(MakeCageSlow, EveryCycleEnclosesTheCyclesBefore) {
   testing::in_arena(2, [&] {
     const testing::Stage stage(input_);
     CageState state = stage.displaced(1e-5 * stage.diagonal).state;
@@ -183,8 +202,9 @@ TEST_P(MakeCage, EveryCycleEnclosesTheCyclesBefore) {
     options.schedule = {1};
     for (const double tau : {1.0 / 200, 1.0 / 60, 1.0 / 20}) {
       Statistics statistics;
-      const EngineContext context{&options,      stage.diagonal, tau * stage.diagonal, stage.tree.frame(),
-                                  &stage.device, stage.band.get(), nullptr,            &statistics};
+      const EngineContext context{
+          &options,         stage.diagonal, tau * stage.diagonal, stage.tree.frame(), &stage.device,
+          stage.band.get(), nullptr,        &statistics};
       EXPECT_EQ(run_engine(state, context), EngineOutcome::schedule_finished);
       cages.push_back(state.mesh.to_mesh());
       EXPECT_LE(sampled_distance(cages.back(), input_, 4), context.tau);
@@ -196,7 +216,7 @@ TEST_P(MakeCage, EveryCycleEnclosesTheCyclesBefore) {
   });
 }
 
-TEST_P(MakeCage, DoesNotDependOnPlaceSizeAndDirection) {
+TEST_P(MakeCageSlow, DoesNotDependOnPlaceSizeAndDirection) {
   const Options options = options_with(1.0 / 30);
   const std::size_t faces = expect_cage(input_, options).cage.triangles.size();
   const double l = testing::diagonal_of(input_);
@@ -208,11 +228,11 @@ TEST_P(MakeCage, DoesNotDependOnPlaceSizeAndDirection) {
   }
 }
 
-TEST(MakeCageSizes, AtTheEndsOfTheRangeOfCoordinates) {
+TEST(MakeCageSizesSlow, AnyUnitOfLength) {
   const Mesh input = shape("bumpy", 400);
   const Options options = options_with(1.0 / 20);
   const auto faces = static_cast<double>(expect_cage(input, options).cage.triangles.size());
-  for (const double scale : {1e-58, 1e-45, 1e-35, 1e-20, 1e14}) {
+  for (const double scale : {1e-30, 1e-10, 1e14}) {
     SCOPED_TRACE(scale);
     const auto now = static_cast<double>(expect_cage(testing::scaled(input, scale), options).cage.triangles.size());
     EXPECT_NEAR(now, faces, 0.25 * faces + 8);
@@ -257,14 +277,13 @@ TEST(MakeCageSmall, InsideOutIsTurnedIfAccepted) {
   EXPECT_TRUE(certify(input, r.cage).valid());
 }
 
-TEST(MakeCageTrouble, SingularVerticesNeedlesAndFolds) {
+TEST(MakeCageTroubleSlow, SingularVerticesNeedlesAndFolds) {
   std::vector<Mesh> inputs;
   for (const double turn : {4.0, 5.9}) inputs.push_back(testing::thin_sector(16, turn, 0.02));
   for (const double rise : {0.5, 20.0}) inputs.push_back(testing::saddle_cone(12, rise));
   for (const double gap : {1e-2, 1e-6}) inputs.push_back(testing::z_fold(1e-3, gap));
-  inputs.push_back(testing::merge(testing::flat_plate(6, 1, 0, 0.2), testing::flat_plate(6, 1, 0.2 + 2e-7, 0.4)));
   for (std::size_t i = 0; i < inputs.size(); ++i)
-    for (const double tau : {1.0 / 20, 1.0 / 200, 1.0 / 5000})
+    for (const double tau : {1.0 / 20, 1.0 / 100})
       for (const double sigma : {1e-5, 1e-2}) {
         SCOPED_TRACE(std::to_string(i) + ", tau " + std::to_string(tau) + ", sigma " + std::to_string(sigma));
         Options options = options_with(tau);
@@ -273,11 +292,17 @@ TEST(MakeCageTrouble, SingularVerticesNeedlesAndFolds) {
       }
 }
 
-TEST(MakeCageTrouble, DegenerateFacesOfTheInputAreCarried) {
+TEST(MakeCageTroubleSlow, PlatesWithHardlyAnyRoomBetweenThem) {
+  const Mesh input = testing::merge(testing::flat_plate(6, 1, 0, 0.2), testing::flat_plate(6, 1, 0.2 + 2e-7, 0.4));
+  const Result r = expect_cage(input, options_with(1.0 / 20));
+  EXPECT_GT(r.statistics.halved_vertices, 0u);
+}
+
+TEST(MakeCageTroubleSlow, DegenerateFacesOfTheInputAreCarried) {
   // Snapped to a coarse grid, so that faces lose their area; only what stays legal is used.
   int legal = 0;
-  for (const double grid : {64.0, 100.0, 200.0, 1000.0}) {
-    const Mesh input = testing::mapped(testing::flat_plate(20, 1, 0, 0.3), [&](const Vec3& p) -> Vec3 {
+  for (const double grid : {64.0, 100.0}) {
+    const Mesh input = testing::mapped(testing::flat_plate(12, 1, 0, 0.3), [&](const Vec3& p) -> Vec3 {
       const Vec3 bent(p.x() * p.x(), p.y() * p.y() * p.x(), p.z());
       return (bent * grid).array().round() / grid;
     });
@@ -289,10 +314,10 @@ TEST(MakeCageTrouble, DegenerateFacesOfTheInputAreCarried) {
     ASSERT_EQ(r.status, Status::ok) << r.message;
     EXPECT_TRUE(certify(input, r.cage).valid());
   }
-  RecordProperty("legal", legal);
+  EXPECT_GT(legal, 0);
 }
 
-TEST(MakeCageTrouble, WideAndNarrowBands) {
+TEST(MakeCageTroubleSlow, WideAndNarrowBands) {
   const Mesh input = shape("bumpy", 300);
   for (const double tau : {1e-12, 1e-9, 1e-7, 1e-5}) {
     SCOPED_TRACE(tau);
@@ -313,7 +338,7 @@ TEST(MakeCageTrouble, WideAndNarrowBands) {
 
 // ------------------------------------------------------------------------------------------ face budget
 
-TEST(MakeCageBudget, IsMetExactlyOrOneBelow) {
+TEST(MakeCageBudgetSlow, IsMetExactlyOrOneBelow) {
   for (const char* name : {"bumpy", "knot"}) {
     const Mesh input = shape(name, 600);
     const std::size_t faces = input.triangles.size();
@@ -356,22 +381,22 @@ TEST(MakeCageBudget, OutOfReachIsSaidAndTheCageIsTheSmallestOne) {
 // ------------------------------------------------------------------------------------------ determinism
 
 // The machine may have fewer cores than the runs have threads.
-class MakeCageRepeats : public ::testing::TestWithParam<testing::ShapeCase> {
+class MakeCageRepeatsSlow : public ::testing::TestWithParam<testing::ShapeCase> {
   tbb::global_control allow_{tbb::global_control::max_allowed_parallelism, 8};
 };
 
-INSTANTIATE_TEST_SUITE_P(Shapes, MakeCageRepeats, ::testing::ValuesIn(cases),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Shapes, MakeCageRepeatsSlow, ::testing::ValuesIn(cases),
+                         [](const auto& test) { return std::string(test.param.name); });
 
-TEST_P(MakeCageRepeats, BitByBitForAnyNumberOfThreads) {
-  const Mesh input = shape(GetParam().name, 3 * GetParam().faces, GetParam().seed);
+TEST_P(MakeCageRepeatsSlow, BitByBitForAnyNumberOfThreads) {
+  const Mesh input = shape(GetParam().name, 2 * GetParam().faces, GetParam().seed);
   for (const TauMode mode : {TauMode::strict, TauMode::paper}) {
-    Options options = options_with(1.0 / 60, mode);
-    options.cycles = 4;
+    Options options = options_with(1.0 / 40, mode);
+    options.cycles = 3;
     options.threads = 1;
     const Result expected = make_cage(input, options);
     ASSERT_EQ(expected.status, Status::ok) << expected.message;
-    for (const int threads : {1, 2, 4, 7}) {
+    for (const int threads : {1, 2, 4}) {
       options.threads = threads;
       const Result r = make_cage(input, options);
       EXPECT_EQ(r.statistics.threads, threads);
@@ -383,7 +408,7 @@ TEST_P(MakeCageRepeats, BitByBitForAnyNumberOfThreads) {
   }
 }
 
-TEST(MakeCageConcurrent, RunsAtTheSameTimeDoNotDisturbEachOther) {
+TEST(MakeCageConcurrentSlow, RunsAtTheSameTimeDoNotDisturbEachOther) {
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
   std::vector<Mesh> inputs{shape("bumpy", 1500), shape("knot", 900), shape("gyroid", 900)};
   std::vector<Mesh> expected;
@@ -400,7 +425,7 @@ TEST(MakeCageConcurrent, RunsAtTheSameTimeDoNotDisturbEachOther) {
   for (std::size_t i = 0; i < found.size(); ++i) EXPECT_TRUE(same(found[i], expected[i % inputs.size()])) << i;
 }
 
-TEST(MakeCageSeeds, BreakTiesAndNothingElse) {
+TEST(MakeCageSeedsSlow, BreakTiesAndNothingElse) {
   const Mesh input = testing::sphere(4);
   Options options = options_with(1.0 / 40);
   const Result a = expect_cage(input, options);
@@ -423,16 +448,16 @@ TEST(MakeCageCancel, BeforeTheStartGivesTheFirstCage) {
   EXPECT_EQ(r.cage.triangles, input.triangles);
 }
 
-TEST(MakeCageCancel, AtAnyTimeGivesAValidCage) {
-  const Mesh input = shape("bumpy", 2500);
+TEST(MakeCageCancelSlow, AtAnyTimeGivesAValidCage) {
+  const Mesh input = shape("bumpy", 1500);
   const auto start = std::chrono::steady_clock::now();
   const Result complete = make_cage(input);
   const auto duration = std::chrono::steady_clock::now() - start;
   int cancelled = 0;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 8; ++i) {
     Control control;
     std::thread canceller([&] {
-      std::this_thread::sleep_for(duration * i / 12);
+      std::this_thread::sleep_for(duration * i / 8);
       control.cancel();
     });
     const Result r = make_cage(input, {}, &control);
@@ -446,7 +471,7 @@ TEST(MakeCageCancel, AtAnyTimeGivesAValidCage) {
   EXPECT_GT(cancelled, 0);
 }
 
-TEST(MakeCageProgress, RisesFromZeroToOneAndFacesFall) {
+TEST(MakeCageProgressSlow, RisesFromZeroToOneAndFacesFall) {
   const Mesh input = shape("bumpy", 2500);
   Control control;
   std::atomic<bool> done{false};
@@ -508,7 +533,7 @@ TEST(MakeCageRefuses, OptionsOutOfRangeByName) {
   for (const double x : {0.0, -1e-5, 0.011, nan, inf}) expect_bad("sigma", [x](Options& o) { o.sigma = x; });
   for (const int n : {0, -1, 10001}) expect_bad("cycles", [n](Options& o) { o.cycles = n; });
   for (const int n : {-1, 4097}) expect_bad("threads", [n](Options& o) { o.threads = n; });
-  const std::vector<std::vector<double>> schedules{{0.5}, {0.0, 1}, {-0.5, 1}, {0.5, 0.5, 1}, {0.7, 0.3, 1},
+  const std::vector<std::vector<double>> schedules{{0.5},      {0.0, 1}, {-0.5, 1},  {0.5, 0.5, 1}, {0.7, 0.3, 1},
                                                    {0.5, 1.5}, {nan, 1}, {0.5, nan}, {1, 1}};
   for (const auto& list : schedules) expect_bad("schedule", [&](Options& o) { o.schedule = list; });
 }
@@ -538,26 +563,26 @@ TEST(MakeCageRefuses, InputsThatAreNotLegal) {
 // Two solids so close that doubles cannot hold a surface between them.
 TEST(MakeCageRefuses, SolidsWithoutRoomBetweenThem) {
   const double top = 1;
-  const Mesh input = testing::merge(testing::flat_plate(2, 1, 0, top),
-                                    testing::flat_plate(2, 1, std::nextafter(top, 2.0), 2));
+  const Mesh input =
+      testing::merge(testing::flat_plate(2, 1, 0, top), testing::flat_plate(2, 1, std::nextafter(top, 2.0), 2));
   ASSERT_TRUE(validate(input).valid());
   expect_refused(input, {}, Status::displacement_failed, "collision");
 }
 
 // ------------------------------------------------------------------------------------------ real meshes
 
-class MakeCageShared : public ::testing::TestWithParam<const char*> {};
+class MakeCageRealMeshes : public ::testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(Meshes, MakeCageShared,
+INSTANTIATE_TEST_SUITE_P(Meshes, MakeCageRealMeshes,
                          ::testing::Values("cad/anchor", "cad/joint", "cad/tablet_stand", "multi/platonic_shelf",
                                            "multi/embossed_text", "thin/fan_grill", "genus/filter_grill",
                                            "organic/gargoyle"),
-                         [](const auto& info) {
-                           const std::string name = info.param;
+                         [](const auto& test) {
+                           const std::string name = test.param;
                            return name.substr(name.find('/') + 1);
                          });
 
-TEST_P(MakeCageShared, IsSoundInBothModes) {
+TEST_P(MakeCageRealMeshes, IsSoundInBothModes) {
   const std::filesystem::path path = std::string(PRCAGE_SHARED_DIR) + "/meshes/" + GetParam() + ".ply";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "there is no " << path;
   const MeshFile file = read_mesh(path.string());

@@ -1,0 +1,466 @@
+// Every reason for which a candidate can be rejected, provoked on purpose through the stages that give it; and the
+// verdicts of whole batches against loops over all pairs of triangles.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "core/predicates.h"
+#include "engine_stages.h"
+#include "parallel/commit.h"
+#include "parallel/conflicts.h"
+#include "parallel/flips.h"
+
+namespace prcage {
+namespace {
+
+using testing::halfedge_between;
+using testing::in_arena;
+using testing::Stage;
+using testing::topology;
+
+constexpr float no_cost = std::numeric_limits<float>::infinity();
+
+Candidate candidate(const CageState& state, std::uint32_t h, float cost = 1) {
+  h = std::min(h, state.mesh.twin[h]);
+  return {candidate_key(cost, h, 0), h};
+}
+
+// The patch of one collapse, moved to `point`.
+PatchBatch collapse_to(const Stage& stage, const CageState& state, std::uint32_t h, const Vec3& point) {
+  PatchBatch batch = build_collapses(state, stage.placement(stage.diagonal), {candidate(state, h)});
+  batch.point[0] = position(point);
+  return batch;
+}
+
+void run_all_tests(Stage& stage, CageState& state, double tau, PatchBatch& batch) {
+  test_patches_locally(state, batch);
+  test_patches_against_band(state, *stage.band, tau, TauMode::strict, batch);
+  reject_hits_on_cage(state, stage.tree.frame(), stage.device, batch);
+  reject_conflicts(state, stage.tree.frame(), stage.device, batch);
+}
+
+// A plate whose top is a flat grid of n by n cells, and vertices of that grid.
+constexpr std::uint32_t cells = 6;
+Mesh grid_plate() { return testing::flat_plate(cells, 1, 0, 0.2); }
+std::uint32_t top_vertex(std::uint32_t i, std::uint32_t j) { return (cells + 1) * (cells + 1) + i * (cells + 1) + j; }
+
+// ------------------------------------------------------------------------------------------ evaluation
+
+TEST(Rejection, LinkCondition) {
+  // The edges between two tetrahedra glued at a face.
+  const Mesh bipyramid{{{1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+                       {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}}};
+  in_arena(1, [&] {
+    const Stage stage(bipyramid);
+    CageState state = stage.state_of(bipyramid);
+    Counts counts;
+    evaluate_dirty_edges(state, stage.placement(10), counts);
+    EXPECT_EQ(counts.evaluated, 9u);
+    EXPECT_EQ(counts.rejected_link, 3u);
+    for (const auto& [a, b] : {std::pair{0u, 1u}, std::pair{1u, 2u}, std::pair{2u, 0u}}) {
+      const std::uint32_t h = halfedge_between(state.mesh, a, b);
+      EXPECT_EQ(state.edge_cost[std::min(h, state.mesh.twin[h])], no_cost);
+    }
+  });
+}
+
+TEST(Rejection, InfeasibleWhereTheBandIsTooThin) {
+  const Mesh input = testing::sphere(2);
+  in_arena(1, [&] {
+    const Stage stage(input);
+    CageState state = stage.state_of(input);
+    Counts thin;
+    evaluate_dirty_edges(state, stage.placement(1e-12), thin);
+    EXPECT_EQ(thin.rejected_infeasible, thin.evaluated - thin.rejected_link);
+    EXPECT_TRUE(select_independent_collapses(state, 0).empty());
+    std::fill(state.dirty.begin(), state.dirty.end(), std::uint8_t{1});
+    Counts wide;
+    evaluate_dirty_edges(state, stage.placement(1), wide);
+    EXPECT_LT(wide.rejected_infeasible, wide.evaluated / 2);
+  });
+}
+
+// ------------------------------------------------------------------------------------------ local tests
+
+TEST(Rejection, SweepsInward) {
+  const Mesh input = testing::sphere(2);
+  in_arena(1, [&] {
+    const Stage stage(input);
+    const CageState state = stage.state_of(input);
+    const std::uint32_t h = state.mesh.vertex_halfedge[9];
+    const Vec3 middle = 0.5 * (state.mesh.vec_at(state.mesh.origin(h)) + state.mesh.vec_at(state.mesh.target(h)));
+    PatchBatch outward = collapse_to(stage, state, h, 1.2 * middle);
+    test_patches_locally(state, outward);
+    EXPECT_EQ(outward.verdict[0], Verdict::accepted);
+    // The midpoint of an edge of a convex solid is inside.
+    PatchBatch inward = collapse_to(stage, state, h, middle);
+    test_patches_locally(state, inward);
+    EXPECT_EQ(inward.verdict[0], Verdict::sweeps_inward);
+  });
+}
+
+// The last bit decides: on the plane of all faces of the star is allowed, one ulp below is not.
+TEST(Rejection, SweepsInwardByOneUlp) {
+  in_arena(1, [&] {
+    const Stage stage(grid_plate());
+    const CageState state = stage.state_of(stage.input);
+    const std::uint32_t h = halfedge_between(state.mesh, top_vertex(2, 2), top_vertex(3, 2));
+    const Vec3 p = 0.5 * (state.mesh.vec_at(top_vertex(2, 2)) + state.mesh.vec_at(top_vertex(3, 2)));
+    PatchBatch on = collapse_to(stage, state, h, p);
+    test_patches_locally(state, on);
+    EXPECT_EQ(on.verdict[0], Verdict::accepted);
+    PatchBatch below = collapse_to(stage, state, h, {p.x(), p.y(), std::nextafter(p.z(), 0.0)});
+    test_patches_locally(state, below);
+    EXPECT_EQ(below.verdict[0], Verdict::sweeps_inward);
+  });
+}
+
+TEST(Rejection, DegenerateFacesAndFolds) {
+  in_arena(1, [&] {
+    const Stage stage(grid_plate());
+    const CageState state = stage.state_of(stage.input);
+    const std::uint32_t a = top_vertex(2, 2), b = top_vertex(3, 2);
+    const std::uint32_t h = halfedge_between(state.mesh, a, b);
+    const auto verdict_at = [&](const Vec3& p) {
+      PatchBatch batch = collapse_to(stage, state, h, p);
+      test_patches_locally(state, batch);
+      return batch.verdict[0];
+    };
+    // The rim of the star is a polygon round the edge in the plane of the top.
+    EXPECT_EQ(verdict_at(state.mesh.vec_at(a)), Verdict::accepted);
+    EXPECT_EQ(verdict_at(state.mesh.vec_at(top_vertex(1, 1))), Verdict::degenerate) << "a corner of the rim";
+    EXPECT_EQ(verdict_at({0.25, 1.0 / 6, 0.2}), Verdict::degenerate) << "on the rim";
+    EXPECT_EQ(verdict_at({0.9, 0.9, 0.2}), Verdict::degenerate) << "beyond the rim: the patch folds over";
+  });
+}
+
+// ------------------------------------------------------------------------------------------ band
+
+TEST(Rejection, BeyondTau) {
+  in_arena(1, [&] {
+    Stage stage(grid_plate());
+    CageState state = stage.state_of(stage.input);
+    const std::uint32_t h = halfedge_between(state.mesh, top_vertex(2, 2), top_vertex(3, 2));
+    const double rise = 0.01;
+    for (const double tau : {0.5 * rise, rise * (1 - 1e-6), rise * (1 + 1e-6), 2 * rise}) {
+      PatchBatch batch = collapse_to(stage, state, h, {0.4, 0.35, 0.2 + rise});
+      test_patches_locally(state, batch);
+      test_patches_against_band(state, *stage.band, tau, TauMode::strict, batch);
+      EXPECT_EQ(batch.verdict[0], tau < rise ? Verdict::beyond_tau : Verdict::accepted) << tau;
+      batch = collapse_to(stage, state, h, {0.4, 0.35, 0.2 + rise});
+      test_patches_against_band(state, *stage.band, tau, TauMode::paper, batch);
+      EXPECT_EQ(batch.verdict[0], Verdict::accepted) << "the paper only bounds centroids, by the constraints";
+    }
+  });
+}
+
+// ------------------------------------------------------------------------------------------ collisions
+
+TEST(Rejection, HitsTheRestOfTheCage) {
+  const Mesh input = testing::merge(grid_plate(), testing::moved(grid_plate(), {0, 0, 0.3}));  // 0.1 apart
+  in_arena(2, [&] {
+    Stage stage(input);
+    CageState state = stage.state_of(input);
+    const std::uint32_t h = halfedge_between(state.mesh, top_vertex(2, 2), top_vertex(3, 2));
+    for (const double rise : {0.0999, 0.1, 0.15}) {
+      PatchBatch batch = collapse_to(stage, state, h, {0.4, 0.35, 0.2 + rise});
+      run_all_tests(stage, state, 1, batch);
+      EXPECT_EQ(batch.verdict[0], 0.2 + rise < 0.3 ? Verdict::accepted : Verdict::hits_cage) << rise;
+    }
+    EXPECT_TRUE(std::all_of(state.face_owner.begin(), state.face_owner.end(), [](auto f) { return f == none; }));
+  });
+}
+
+// Two wedges, ridge against ridge: the collapse of either ridge rises into the gap, both together would meet.
+struct Wedges {
+  static constexpr double height = 0.5;
+  Mesh lower, upper, both;
+
+  explicit Wedges(double gap)
+      : lower(testing::wedge(0.1, height, 0, 1)),
+        upper(testing::wedge(0.12, height, 2 * height + gap, -1)),
+        both(testing::merge(lower, upper)) {}
+
+  // Selects the ridges only, the cheaper one first.
+  static std::vector<Candidate> ridges(const Stage& stage, CageState& state) {
+    Counts counts;
+    evaluate_dirty_edges(state, stage.placement(1), counts);
+    for (std::uint32_t h = 0; h < state.edge_cost.size(); ++h) {
+      const std::uint32_t a = std::min(state.mesh.origin(h), state.mesh.target(h)) % 6;
+      const std::uint32_t b = std::max(state.mesh.origin(h), state.mesh.target(h)) % 6;
+      if (a != 4 || b != 5) state.edge_cost[h] = no_cost;
+    }
+    return select_independent_collapses(state, 0);
+  }
+};
+
+// How far the collapse of the lower ridge alone rises.
+double rise_of_ridge(const Mesh& wedge) {
+  double rise = 0;
+  in_arena(1, [&] {
+    const Stage stage(wedge);
+    CageState state = stage.state_of(wedge);
+    const auto selected = Wedges::ridges(stage, state);
+    ASSERT_EQ(selected.size(), 1u);
+    rise = build_collapses(state, stage.placement(1), selected).point[0][2] - Wedges::height;
+  });
+  return rise;
+}
+
+TEST(Rejection, TwoSheetsThatWouldBothMoveIntoTheSameGap) {
+  const double rise = rise_of_ridge(Wedges(1).lower);
+  ASSERT_GT(rise, 1e-3);
+  const Wedges wedges(1.5 * rise);
+  in_arena(2, [&] {
+    Stage stage(wedges.both);
+    CageState state = stage.state_of(wedges.both);
+    const std::vector<Candidate> selected = Wedges::ridges(stage, state);
+    ASSERT_EQ(selected.size(), 2u);
+    ASSERT_LT(selected[0].key, selected[1].key);
+    for (const Candidate& alone : selected) {
+      PatchBatch batch = build_collapses(state, stage.placement(1), {alone});
+      run_all_tests(stage, state, 1, batch);
+      EXPECT_EQ(batch.verdict[0], Verdict::accepted) << "valid alone";
+    }
+    PatchBatch batch = build_collapses(state, stage.placement(1), selected);
+    run_all_tests(stage, state, 1, batch);
+    EXPECT_EQ(batch.verdict[0], Verdict::accepted) << "the cheaper one wins";
+    EXPECT_EQ(batch.verdict[1], Verdict::conflict);
+
+    commit_collapses(state, stage.tree.frame(), batch);
+    EXPECT_EQ(state.live_faces, wedges.both.triangles.size() - 2);
+    EXPECT_LT(state.edge_cost[selected[1].halfedge], no_cost) << "the loser stays a candidate";
+    const Mesh cage = state.mesh.to_mesh();
+    EXPECT_TRUE(validate(cage).valid());
+
+    // In the next round it meets what has been committed.
+    PatchBatch again = build_collapses(state, stage.placement(1), {selected[1]});
+    run_all_tests(stage, state, 1, again);
+    EXPECT_EQ(again.verdict[0], Verdict::hits_cage);
+    commit_collapses(state, stage.tree.frame(), again);
+    EXPECT_EQ(state.edge_cost[selected[1].halfedge], no_cost) << "out until its surroundings change";
+    EXPECT_TRUE(testing::same(state.mesh.to_mesh(), cage));
+  });
+}
+
+// ------------------------------------------------------------------------------------------ whole batches
+
+// Patches of a shape's independent collapses, blown outward so far that many of them collide.
+PatchBatch wild_batch(const Stage& stage, CageState& state, std::uint64_t seed) {
+  Counts counts;
+  evaluate_dirty_edges(state, stage.placement(stage.diagonal / 5), counts);
+  for (std::uint32_t h = 0; h < state.edge_cost.size(); ++h)
+    if (represents_edge(state.mesh, h) && link_condition(state.mesh, h))
+      state.edge_cost[h] = std::min(state.edge_cost[h], 1.0f);
+  PatchBatch batch =
+      build_collapses(state, stage.placement(stage.diagonal / 5), select_independent_collapses(state, seed));
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> reach(0.0, 0.4 * stage.diagonal);
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const std::uint32_t h = batch.candidate[i].halfedge;
+    const Vec3 middle = 0.5 * (state.mesh.vec_at(state.mesh.origin(h)) + state.mesh.vec_at(state.mesh.target(h)));
+    batch.point[i] = position(middle + reach(random) * testing::random_unit(random));
+  }
+  return batch;
+}
+
+bool triangles_meet(const CageState& state, const PatchBatch& batch, std::size_t s, std::size_t t) {
+  return improper_contact(patch_triangle(state.mesh, batch, s), patch_triangle(state.mesh, batch, t));
+}
+
+bool patches_meet(const CageState& state, const PatchBatch& batch, std::size_t i, std::size_t j) {
+  for (std::size_t s = batch.first_face[i]; s < batch.first_face[i + 1]; ++s)
+    for (std::size_t t = batch.first_face[j]; t < batch.first_face[j + 1]; ++t)
+      if (triangles_meet(state, batch, s, t)) return true;
+  return false;
+}
+
+bool hits_cage(const CageState& state, const PatchBatch& batch, std::size_t i) {
+  const auto removed = batch.removed_faces(i);
+  for (std::uint32_t f = 0; f < state.mesh.face_slots(); ++f) {
+    if (std::find(removed.begin(), removed.end(), f) != removed.end()) continue;
+    const std::uint32_t* v = &state.mesh.corner_vertex[3 * std::size_t{f}];
+    const TriangleRef face{{state.mesh.point(v[0]), state.mesh.point(v[1]), state.mesh.point(v[2])},
+                           {v[0], v[1], v[2]}};
+    for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t)
+      if (improper_contact(patch_triangle(state.mesh, batch, t), face)) return true;
+  }
+  return false;
+}
+
+TEST(Verdicts, CollisionsAreThoseOfAllPairsAndTheGreedyChoice) {
+  std::size_t hits = 0, conflicts = 0, accepted = 0;
+  for (const char* name : {"bumpy", "slabs", "knot", "spikes"})
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const Mesh input = testing::shape(name, 500);
+      in_arena(2, [&] {
+        const Stage stage(input);
+        CageState state = stage.state_of(input);
+        PatchBatch batch = wild_batch(stage, state, seed);
+        std::vector<Verdict> expected(batch.size(), Verdict::accepted);
+        for (std::size_t i = 0; i < batch.size(); ++i)
+          if (hits_cage(state, batch, i)) expected[i] = Verdict::hits_cage;
+        reject_hits_on_cage(state, stage.tree.frame(), stage.device, batch);
+        EXPECT_EQ(batch.verdict, expected);
+        hits += batch.count(Verdict::hits_cage);
+        // As if nothing had been hit, so that the patches meet each other.
+        batch.verdict.assign(batch.size(), Verdict::accepted);
+        expected.assign(batch.size(), Verdict::accepted);
+        for (std::size_t i = 0; i < batch.size(); ++i)
+          for (std::size_t j = 0; j < i && expected[i] == Verdict::accepted; ++j)
+            if (expected[j] == Verdict::accepted && patches_meet(state, batch, i, j)) expected[i] = Verdict::conflict;
+        reject_conflicts(state, stage.tree.frame(), stage.device, batch);
+        EXPECT_EQ(batch.verdict, expected);
+        conflicts += batch.count(Verdict::conflict);
+        accepted += batch.count(Verdict::accepted);
+      });
+    }
+  EXPECT_GT(hits, 50u);
+  EXPECT_GT(conflicts, 20u);
+  EXPECT_GT(accepted, 50u);
+}
+
+TEST(Verdicts, LocalTestsAreThoseOfTheirDefinition) {
+  std::size_t seen[3] = {0, 0, 0};
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Mesh input = testing::shape("bumpy", 500);
+    in_arena(2, [&] {
+      const Stage stage(input);
+      CageState state = stage.state_of(input);
+      PatchBatch batch = wild_batch(stage, state, seed);
+      // Some of them where the constraints want them.
+      const PatchBatch placed = build_collapses(state, stage.placement(stage.diagonal / 5), batch.candidate);
+      for (std::size_t i = 0; i < batch.size(); i += 2) batch.point[i] = placed.point[i];
+      test_patches_locally(state, batch);
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        bool outward = true, proper = true;
+        for (const std::uint32_t f : batch.removed_faces(i)) {
+          const std::uint32_t* v = &state.mesh.corner_vertex[3 * std::size_t{f}];
+          outward = outward && exact::orient3d(state.mesh.point(v[0]), state.mesh.point(v[1]), state.mesh.point(v[2]),
+                                               batch.point[i].data()) >= 0;
+        }
+        for (std::size_t s = batch.first_face[i]; s < batch.first_face[i + 1]; ++s) {
+          const TriangleRef t = patch_triangle(state.mesh, batch, s);
+          proper = proper && !exact::collinear(t.p[0], t.p[1], t.p[2]);
+          for (std::size_t r = batch.first_face[i]; r < s; ++r) proper = proper && !triangles_meet(state, batch, s, r);
+        }
+        const Verdict expected = !outward ? Verdict::sweeps_inward : !proper ? Verdict::degenerate : Verdict::accepted;
+        EXPECT_EQ(batch.verdict[i], expected);
+        ++seen[static_cast<int>(expected)];
+      }
+    });
+  }
+  EXPECT_GT(seen[static_cast<int>(Verdict::accepted)], 10u);
+  EXPECT_GT(seen[static_cast<int>(Verdict::sweeps_inward)], 10u);
+}
+
+TEST(Verdicts, PatchesListTheStarAndItsReplacement) {
+  const Mesh input = testing::shape("knot", 400);
+  in_arena(2, [&] {
+    const Stage stage(input);
+    CageState state = stage.state_of(input);
+    const PatchBatch batch = wild_batch(stage, state, 1);
+    ASSERT_GT(batch.size(), 10u);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const std::uint32_t h = batch.candidate[i].halfedge;
+      std::vector<std::uint32_t> removed(batch.removed_faces(i).begin(), batch.removed_faces(i).end());
+      EXPECT_EQ(removed[0], h / 3);
+      EXPECT_EQ(removed[1], state.mesh.twin[h] / 3);
+      std::sort(removed.begin(), removed.end());
+      EXPECT_EQ(removed, testing::star_faces(state.mesh, h));
+      EXPECT_EQ(batch.first_face[i + 1] - batch.first_face[i] + 2, removed.size());
+    }
+    // Committed, the faces are the triangles that were listed.
+    CageState after = state;
+    commit_collapses(after, stage.tree.frame(), batch);
+    for (std::size_t t = 0; t < batch.triangle.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_EQ(after.mesh.corner_vertex[3 * std::size_t{batch.face[t]} + k], batch.triangle[t][k]);
+    EXPECT_EQ(topology(after.mesh.to_mesh()), topology(input));
+    EXPECT_EQ(after.live_faces, after.mesh.to_mesh().triangles.size());
+  });
+}
+
+// ------------------------------------------------------------------------------------------ flips
+
+double smallest_angle(const Mesh& mesh) {
+  double smallest = 4;
+  for (const Triangle& t : mesh.triangles) {
+    const auto c = testing::corners(mesh, t);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 u = c[(i + 1) % 3] - c[i], v = c[(i + 2) % 3] - c[i];
+      smallest = std::min(smallest, std::atan2(u.cross(v).norm(), u.dot(v)));
+    }
+  }
+  return smallest;
+}
+
+TEST(Flips, KeepTheCageValidAndNestedAndRaiseTheSmallestAngle) {
+  std::uint64_t flips = 0;
+  for (const char* name : {"bumpy", "knot", "bracket"}) {
+    const Mesh input = testing::shape(name, 500);
+    in_arena(2, [&] {
+      const Stage stage(input);
+      for (const TauMode mode : {TauMode::strict, TauMode::paper}) {
+        CageState state = stage.displaced(1e-5 * stage.diagonal).state;
+        const Mesh before = state.mesh.to_mesh();
+        Counts counts;
+        const double tau = stage.diagonal / 40;
+        flip_edges(state, {tau, mode, 0}, stage.tree.frame(), stage.device, *stage.band, nullptr, counts);
+        const Mesh after = state.mesh.to_mesh();
+        EXPECT_TRUE(certify(input, after).valid());
+        EXPECT_TRUE(testing::weakly_encloses(after, before, 1e-9 * stage.diagonal));
+        EXPECT_EQ(after.positions, before.positions);
+        EXPECT_GE(smallest_angle(after), smallest_angle(before) * (1 - 1e-9));
+        if (mode == TauMode::strict) {
+          EXPECT_LE(testing::sampled_distance(after, input, 4), tau);
+        }
+        EXPECT_LE(counts.flips, counts.flips_tried);
+        flips += counts.flips;
+      }
+    });
+  }
+  EXPECT_GT(flips, 20u);
+}
+
+// A quadrilateral bent outward along its diagonal: the other diagonal would cut into the solid.
+TEST(Flips, NeverCutIntoTheSolid) {
+  const Mesh input = testing::sphere(3);
+  in_arena(1, [&] {
+    const Stage stage(input);
+    CageState state = stage.state_of(input);
+    std::vector<Candidate> edges;
+    for (std::uint32_t h = 0; h < state.edge_cost.size(); ++h)
+      if (represents_edge(state.mesh, h)) edges.push_back(candidate(state, h));
+    PatchBatch batch = build_flips(state, select_independent_flips(state.mesh, edges));
+    ASSERT_GT(batch.size(), 10u);
+    test_patches_locally(state, batch);
+    EXPECT_EQ(batch.count(Verdict::sweeps_inward), batch.size());
+    Counts counts;
+    flip_edges(state, {1, TauMode::strict, 0}, stage.tree.frame(), stage.device, *stage.band, nullptr, counts);
+    EXPECT_EQ(counts.flips, 0u);
+  });
+}
+
+TEST(Flips, ACancelledRunStopsAtOnce) {
+  const Mesh input = testing::shape("bumpy", 500);
+  in_arena(1, [&] {
+    const Stage stage(input);
+    CageState state = stage.displaced(1e-5 * stage.diagonal).state;
+    const Mesh before = state.mesh.to_mesh();
+    Control control;
+    control.cancel();
+    Counts counts;
+    flip_edges(state, {stage.diagonal, TauMode::strict, 0}, stage.tree.frame(), stage.device, *stage.band, &control,
+               counts);
+    EXPECT_EQ(counts.flips_tried, 0u);
+    EXPECT_TRUE(testing::same(state.mesh.to_mesh(), before));
+  });
+}
+
+}  // namespace
+}  // namespace prcage
