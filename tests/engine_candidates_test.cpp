@@ -171,7 +171,7 @@ TEST(Evaluate, CountsAddUpAndOnlyFeasibleEdgesHaveACost) {
       EXPECT_EQ(counts.evaluated, edges.size());
       EXPECT_EQ(counts.rejected_link, link);
       EXPECT_EQ(counts.rejected_infeasible, edges.size() - link - feasible);
-      EXPECT_TRUE(std::all_of(state.dirty.begin(), state.dirty.end(), [](auto d) { return d == 0; }));
+      EXPECT_TRUE(std::all_of(state.dirty.begin(), state.dirty.end(), [](Dirt d) { return d == Dirt::clean; }));
     });
   }
 }
@@ -186,7 +186,7 @@ TEST(Evaluate, OnlyEdgesAtDirtyVerticesAreTouched) {
     evaluate_dirty_edges(state, settings, counts);
     const std::vector<float> all = state.edge_cost;
     std::fill(state.edge_cost.begin(), state.edge_cost.end(), -1.0f);
-    state.dirty[7] = 1;
+    state.dirty[7] = Dirt::moved;
     Counts again;
     evaluate_dirty_edges(state, settings, again);
     EXPECT_EQ(again.evaluated, state.mesh.valence(7));

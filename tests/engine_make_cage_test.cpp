@@ -42,7 +42,7 @@ void expect_counts_add_up(const Result& r, const Options& options) {
   EXPECT_EQ(sum.collapses, c.collapses);
   EXPECT_EQ(sum.selected, c.selected);
   EXPECT_EQ(sum.flips, c.flips);
-  EXPECT_EQ(c.selected, c.collapses + c.rejected_orientation + c.rejected_degenerate + c.rejected_tau +
+  EXPECT_EQ(c.selected, c.postponed + c.collapses + c.rejected_orientation + c.rejected_degenerate + c.rejected_tau +
                             c.rejected_cage + c.rejected_conflict);
   EXPECT_GE(c.evaluated, c.rejected_link + c.rejected_infeasible);
   EXPECT_LE(c.flips, c.flips_tried);

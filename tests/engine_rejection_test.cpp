@@ -30,17 +30,18 @@ Candidate candidate(const CageState& state, std::uint32_t h, float cost = 1) {
 }
 
 // The patch of one collapse, moved to `point`.
-PatchBatch collapse_to(const Stage& stage, const CageState& state, std::uint32_t h, const Vec3& point) {
-  PatchBatch batch = build_collapses(state, stage.placement(stage.diagonal), {candidate(state, h)});
+PatchBatch collapse_to(const Stage& stage, CageState& state, std::uint32_t h, const Vec3& point) {
+  PatchBatch batch = stage.patches(state, stage.placement(stage.diagonal), {candidate(state, h)});
   batch.point[0] = position(point);
+  set_boxes(state.mesh, stage.tree.frame(), batch);
   return batch;
 }
 
 void run_all_tests(Stage& stage, CageState& state, double tau, PatchBatch& batch) {
   test_patches_locally(state, batch);
   test_patches_against_band(state, *stage.band, tau, TauMode::strict, batch);
-  reject_hits_on_cage(state, stage.tree.frame(), stage.device, batch);
-  reject_conflicts(state, stage.tree.frame(), stage.device, batch);
+  reject_hits_on_cage(state, stage.device, batch);
+  reject_conflicts(state, stage.device, batch);
 }
 
 // A plate whose top is a flat grid of n by n cells, and vertices of that grid.
@@ -77,7 +78,7 @@ TEST(Rejection, InfeasibleWhereTheBandIsTooThin) {
     evaluate_dirty_edges(state, stage.placement(1e-12), thin);
     EXPECT_EQ(thin.rejected_infeasible, thin.evaluated - thin.rejected_link);
     EXPECT_TRUE(select_independent_collapses(state, 0).empty());
-    std::fill(state.dirty.begin(), state.dirty.end(), std::uint8_t{1});
+    std::fill(state.dirty.begin(), state.dirty.end(), Dirt::moved);
     Counts wide;
     evaluate_dirty_edges(state, stage.placement(1), wide);
     EXPECT_LT(wide.rejected_infeasible, wide.evaluated / 2);
@@ -90,7 +91,7 @@ TEST(Rejection, SweepsInward) {
   const Mesh input = testing::sphere(2);
   in_arena(1, [&] {
     const Stage stage(input);
-    const CageState state = stage.state_of(input);
+    CageState state = stage.state_of(input);
     const std::uint32_t h = state.mesh.vertex_halfedge[9];
     const Vec3 middle = 0.5 * (state.mesh.vec_at(state.mesh.origin(h)) + state.mesh.vec_at(state.mesh.target(h)));
     PatchBatch outward = collapse_to(stage, state, h, 1.2 * middle);
@@ -107,7 +108,7 @@ TEST(Rejection, SweepsInward) {
 TEST(Rejection, SweepsInwardByOneUlp) {
   in_arena(1, [&] {
     const Stage stage(grid_plate());
-    const CageState state = stage.state_of(stage.input);
+    CageState state = stage.state_of(stage.input);
     const std::uint32_t h = halfedge_between(state.mesh, top_vertex(2, 2), top_vertex(3, 2));
     const Vec3 p = 0.5 * (state.mesh.vec_at(top_vertex(2, 2)) + state.mesh.vec_at(top_vertex(3, 2)));
     PatchBatch on = collapse_to(stage, state, h, p);
@@ -122,7 +123,7 @@ TEST(Rejection, SweepsInwardByOneUlp) {
 TEST(Rejection, DegenerateFacesAndFolds) {
   in_arena(1, [&] {
     const Stage stage(grid_plate());
-    const CageState state = stage.state_of(stage.input);
+    CageState state = stage.state_of(stage.input);
     const std::uint32_t a = top_vertex(2, 2), b = top_vertex(3, 2);
     const std::uint32_t h = halfedge_between(state.mesh, a, b);
     const auto verdict_at = [&](const Vec3& p) {
@@ -171,7 +172,6 @@ TEST(Rejection, HitsTheRestOfTheCage) {
       run_all_tests(stage, state, 1, batch);
       EXPECT_EQ(batch.verdict[0], 0.2 + rise < 0.3 ? Verdict::accepted : Verdict::hits_cage) << rise;
     }
-    EXPECT_TRUE(std::all_of(state.face_owner.begin(), state.face_owner.end(), [](auto f) { return f == none; }));
   });
 }
 
@@ -206,7 +206,7 @@ double rise_of_ridge(const Mesh& wedge) {
     CageState state = stage.state_of(wedge);
     const auto selected = Wedges::ridges(stage, state);
     ASSERT_EQ(selected.size(), 1u);
-    rise = build_collapses(state, stage.placement(1), selected).point[0][2] - Wedges::height;
+    rise = stage.patches(state, stage.placement(1), selected).point[0][2] - Wedges::height;
   });
   return rise;
 }
@@ -222,26 +222,26 @@ TEST(Rejection, TwoSheetsThatWouldBothMoveIntoTheSameGap) {
     ASSERT_EQ(selected.size(), 2u);
     ASSERT_LT(selected[0].key, selected[1].key);
     for (const Candidate& alone : selected) {
-      PatchBatch batch = build_collapses(state, stage.placement(1), {alone});
+      PatchBatch batch = stage.patches(state, stage.placement(1), {alone});
       run_all_tests(stage, state, 1, batch);
       EXPECT_EQ(batch.verdict[0], Verdict::accepted) << "valid alone";
     }
-    PatchBatch batch = build_collapses(state, stage.placement(1), selected);
+    PatchBatch batch = stage.patches(state, stage.placement(1), selected);
     run_all_tests(stage, state, 1, batch);
     EXPECT_EQ(batch.verdict[0], Verdict::accepted) << "the cheaper one wins";
     EXPECT_EQ(batch.verdict[1], Verdict::conflict);
 
-    commit_collapses(state, stage.tree.frame(), batch);
+    commit_collapses(state, batch);
     EXPECT_EQ(state.live_faces, wedges.both.triangles.size() - 2);
     EXPECT_LT(state.edge_cost[selected[1].halfedge], no_cost) << "the loser stays a candidate";
     const Mesh cage = state.mesh.to_mesh();
     EXPECT_TRUE(validate(cage).valid());
 
     // In the next round it meets what has been committed.
-    PatchBatch again = build_collapses(state, stage.placement(1), {selected[1]});
+    PatchBatch again = stage.patches(state, stage.placement(1), {selected[1]});
     run_all_tests(stage, state, 1, again);
     EXPECT_EQ(again.verdict[0], Verdict::hits_cage);
-    commit_collapses(state, stage.tree.frame(), again);
+    commit_collapses(state, again);
     EXPECT_EQ(state.edge_cost[selected[1].halfedge], no_cost) << "out until its surroundings change";
     EXPECT_TRUE(testing::same(state.mesh.to_mesh(), cage));
   });
@@ -257,7 +257,7 @@ PatchBatch wild_batch(const Stage& stage, CageState& state, std::uint64_t seed) 
     if (represents_edge(state.mesh, h) && link_condition(state.mesh, h))
       state.edge_cost[h] = std::min(state.edge_cost[h], 1.0f);
   PatchBatch batch =
-      build_collapses(state, stage.placement(stage.diagonal / 5), select_independent_collapses(state, seed));
+      stage.patches(state, stage.placement(stage.diagonal / 5), select_independent_collapses(state, seed));
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> reach(0.0, 0.4 * stage.diagonal);
   for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -265,6 +265,7 @@ PatchBatch wild_batch(const Stage& stage, CageState& state, std::uint64_t seed) 
     const Vec3 middle = 0.5 * (state.mesh.vec_at(state.mesh.origin(h)) + state.mesh.vec_at(state.mesh.target(h)));
     batch.point[i] = position(middle + reach(random) * testing::random_unit(random));
   }
+  set_boxes(state.mesh, stage.tree.frame(), batch);
   return batch;
 }
 
@@ -304,7 +305,7 @@ TEST(Verdicts, CollisionsAreThoseOfAllPairsAndTheGreedyChoice) {
         std::vector<Verdict> expected(batch.size(), Verdict::accepted);
         for (std::size_t i = 0; i < batch.size(); ++i)
           if (hits_cage(state, batch, i)) expected[i] = Verdict::hits_cage;
-        reject_hits_on_cage(state, stage.tree.frame(), stage.device, batch);
+        reject_hits_on_cage(state, stage.device, batch);
         EXPECT_EQ(batch.verdict, expected);
         hits += batch.count(Verdict::hits_cage);
         // As if nothing had been hit, so that the patches meet each other.
@@ -313,7 +314,7 @@ TEST(Verdicts, CollisionsAreThoseOfAllPairsAndTheGreedyChoice) {
         for (std::size_t i = 0; i < batch.size(); ++i)
           for (std::size_t j = 0; j < i && expected[i] == Verdict::accepted; ++j)
             if (expected[j] == Verdict::accepted && patches_meet(state, batch, i, j)) expected[i] = Verdict::conflict;
-        reject_conflicts(state, stage.tree.frame(), stage.device, batch);
+        reject_conflicts(state, stage.device, batch);
         EXPECT_EQ(batch.verdict, expected);
         conflicts += batch.count(Verdict::conflict);
         accepted += batch.count(Verdict::accepted);
@@ -333,7 +334,7 @@ TEST(Verdicts, LocalTestsAreThoseOfTheirDefinition) {
       CageState state = stage.state_of(input);
       PatchBatch batch = wild_batch(stage, state, seed);
       // Some of them where the constraints want them.
-      const PatchBatch placed = build_collapses(state, stage.placement(stage.diagonal / 5), batch.candidate);
+      const PatchBatch placed = stage.patches(state, stage.placement(stage.diagonal / 5), batch.candidate);
       for (std::size_t i = 0; i < batch.size(); i += 2) batch.point[i] = placed.point[i];
       test_patches_locally(state, batch);
       for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -376,7 +377,7 @@ TEST(Verdicts, PatchesListTheStarAndItsReplacement) {
     }
     // Committed, the faces are the triangles that were listed.
     CageState after = state;
-    commit_collapses(after, stage.tree.frame(), batch);
+    commit_collapses(after, batch);
     for (std::size_t t = 0; t < batch.triangle.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k)
         EXPECT_EQ(after.mesh.corner_vertex[3 * std::size_t{batch.face[t]} + k], batch.triangle[t][k]);
@@ -436,7 +437,7 @@ TEST(Flips, NeverCutIntoTheSolid) {
     std::vector<Candidate> edges;
     for (std::uint32_t h = 0; h < state.edge_cost.size(); ++h)
       if (represents_edge(state.mesh, h)) edges.push_back(candidate(state, h));
-    PatchBatch batch = build_flips(state, select_independent_flips(state.mesh, edges));
+    PatchBatch batch = build_flips(state, stage.tree.frame(), select_independent_flips(state.mesh, edges));
     ASSERT_GT(batch.size(), 10u);
     test_patches_locally(state, batch);
     EXPECT_EQ(batch.count(Verdict::sweeps_inward), batch.size());

@@ -46,9 +46,10 @@ class Stage {
     state.mesh = CornerTable::from_mesh(cage);
     const std::size_t faces = cage.triangles.size();
     state.live_faces = faces;
-    state.face_owner.assign(faces, none);
     state.edge_cost.assign(3 * faces, std::numeric_limits<float>::infinity());
-    state.dirty.assign(cage.positions.size(), 1);
+    state.dirty.assign(cage.positions.size(), Dirt::moved);
+    for (const Position& p : cage.positions)
+      state.vertex_distance.push_back(round_distance_up(band->nearest(vec(p)).distance));
     for (const Triangle& t : cage.triangles) {
       const auto [a, b, c] = corners(cage, t);
       const DistanceBand::Near near = band->nearest((a + b + c) / 3);
@@ -65,6 +66,12 @@ class Stage {
     settings.min_scale = 1e-12 * diagonal;
     settings.cost_scale = 1 / (diagonal * diagonal);
     return settings;
+  }
+
+  // Patches of the selected edges, as a round builds them.
+  PatchBatch patches(CageState& state, const PlacementSettings& settings,
+                     const std::vector<Candidate>& selected) const {
+    return build_collapses(state, tree.frame(), place_collapses(state, settings, selected));
   }
 
   Mesh input;

@@ -92,6 +92,7 @@ Json json_of(const Counts& counts) {
           PRCAGE_FIELD(counts, rejected_link),
           PRCAGE_FIELD(counts, rejected_infeasible),
           PRCAGE_FIELD(counts, selected),
+          PRCAGE_FIELD(counts, postponed),
           PRCAGE_FIELD(counts, rejected_orientation),
           PRCAGE_FIELD(counts, rejected_degenerate),
           PRCAGE_FIELD(counts, rejected_tau),

@@ -146,38 +146,40 @@ void flip_edge(CornerTable& mesh, std::uint32_t h) {
   mesh.vertex_halfedge[d] = t_next;
 }
 
-Compaction compact(CornerTable& mesh) {
-  Compaction kept;
-  std::vector<std::uint32_t> new_vertex(mesh.vertex_slots(), none);
-  for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v) {
-    if (mesh.vertex_halfedge[v] == none) continue;
-    new_vertex[v] = static_cast<std::uint32_t>(kept.vertices.size());
-    kept.vertices.push_back(v);
-  }
-  std::vector<std::uint32_t> new_face(mesh.face_slots(), none);
-  for (std::uint32_t f = 0; f < mesh.face_slots(); ++f) {
-    if (!mesh.face_alive(f)) continue;
-    new_face[f] = static_cast<std::uint32_t>(kept.faces.size());
-    kept.faces.push_back(f);
-  }
+Numbering live_elements(const CornerTable& mesh) {
+  Numbering live;
+  for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v)
+    if (mesh.vertex_halfedge[v] != none) live.vertices.push_back(v);
+  for (std::uint32_t f = 0; f < mesh.face_slots(); ++f)
+    if (mesh.face_alive(f)) live.faces.push_back(f);
+  return live;
+}
+
+void renumber(CornerTable& mesh, const Numbering& order) {
+  const auto inverse = [](const std::vector<std::uint32_t>& old, std::size_t slots) {
+    std::vector<std::uint32_t> number(slots, none);
+    for (std::size_t i = 0; i < old.size(); ++i) number[old[i]] = static_cast<std::uint32_t>(i);
+    return number;
+  };
+  const std::vector<std::uint32_t> new_vertex = inverse(order.vertices, mesh.vertex_slots());
+  const std::vector<std::uint32_t> new_face = inverse(order.faces, mesh.face_slots());
   const auto new_halfedge = [&](std::uint32_t h) { return 3 * new_face[h / 3] + h % 3; };
-  // Live elements only move towards the front, so moving in ascending order is safe in place.
-  for (std::size_t i = 0; i < kept.vertices.size(); ++i) {
-    mesh.position[i] = mesh.position[kept.vertices[i]];
-    mesh.vertex_halfedge[i] = new_halfedge(mesh.vertex_halfedge[kept.vertices[i]]);
+  const auto per_corner = [&](const auto& value_of_halfedge) {
+    std::vector<std::uint32_t> values(3 * order.faces.size());
+    for (std::size_t h = 0; h < values.size(); ++h)
+      values[h] = value_of_halfedge(3 * order.faces[h / 3] + static_cast<std::uint32_t>(h % 3));
+    return values;
+  };
+  mesh.corner_vertex = per_corner([&](std::uint32_t h) { return new_vertex[mesh.corner_vertex[h]]; });
+  mesh.twin = per_corner([&](std::uint32_t h) { return new_halfedge(mesh.twin[h]); });
+  std::vector<Position> position(order.vertices.size());
+  std::vector<std::uint32_t> vertex_halfedge(order.vertices.size());
+  for (std::size_t i = 0; i < order.vertices.size(); ++i) {
+    position[i] = mesh.position[order.vertices[i]];
+    vertex_halfedge[i] = new_halfedge(mesh.vertex_halfedge[order.vertices[i]]);
   }
-  for (std::size_t i = 0; i < kept.faces.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t h = 3 * std::size_t{kept.faces[i]} + k;
-      mesh.corner_vertex[3 * i + k] = new_vertex[mesh.corner_vertex[h]];
-      mesh.twin[3 * i + k] = new_halfedge(mesh.twin[h]);
-    }
-  }
-  mesh.position.resize(kept.vertices.size());
-  mesh.vertex_halfedge.resize(kept.vertices.size());
-  mesh.corner_vertex.resize(3 * kept.faces.size());
-  mesh.twin.resize(3 * kept.faces.size());
-  return kept;
+  mesh.position = std::move(position);
+  mesh.vertex_halfedge = std::move(vertex_halfedge);
 }
 
 bool link_condition(const CornerTable& mesh, std::uint32_t h) {

@@ -2,7 +2,7 @@
 //
 // Corner table. Halfedge h = 3 f + i runs from corner i of face f to the next corner; twin[h] is its opposite.
 // A dead face has corner_vertex == none in its three slots, a dead vertex has vertex_halfedge == none. Elements die
-// in place and are removed by compact(). Operations that touch disjoint stars (faces incident to the edge's
+// in place and are removed by renumber(). Operations that touch disjoint stars (faces incident to the edge's
 // endpoints) may run at the same time.
 #pragma once
 
@@ -62,13 +62,16 @@ void collapse_edge(CornerTable& mesh, std::uint32_t h, const Position& p);
 void flip_edge(CornerTable& mesh, std::uint32_t h);
 
 // Old number of each new element.
-struct Compaction {
+struct Numbering {
   std::vector<std::uint32_t> faces;
   std::vector<std::uint32_t> vertices;
 };
 
-// Removes dead elements, keeping the order of the live ones.
-Compaction compact(CornerTable& mesh);
+// The live elements in their present order.
+Numbering live_elements(const CornerTable& mesh);
+
+// Puts the elements in the given order, which must hold the live ones, each once. Dead ones are removed.
+void renumber(CornerTable& mesh, const Numbering& order);
 
 // Link condition for collapsing the edge of h in a closed surface: the endpoints have exactly the two opposite
 // vertices as common neighbours, those keep a valence of at least 3, and the merged vertex does too.

@@ -85,6 +85,7 @@ Counts& Counts::operator+=(const Counts& o) {
   rejected_link += o.rejected_link;
   rejected_infeasible += o.rejected_infeasible;
   selected += o.selected;
+  postponed += o.postponed;
   rejected_orientation += o.rejected_orientation;
   rejected_degenerate += o.rejected_degenerate;
   rejected_tau += o.rejected_tau;

@@ -96,24 +96,25 @@ class Gatherer {
   double constant_ = 0;
 };
 
-void solve_placement(const PlacementSettings& settings, PlacementBatch& batch, std::size_t i) {
-  batch.cost[i] = std::numeric_limits<double>::infinity();
+// The problem that the solver gets: scaled to unit trace, so that its tolerances mean the same for every star. Stars
+// without area have a form of zero, which it does not solve.
+void scale_problem(const PlacementSettings& settings, PlacementBatch& batch, std::size_t i) {
   const Symmetric3& form = batch.form[i];
   const double trace = form.trace();
-  if (!(trace > 0)) return;
-  // Scaled to unit trace, so that the solver's tolerances mean the same for every star.
-  const double weight = 1 / trace;
-  const double ridge = settings.regularization / 3;
-  const Symmetric3 G{form.xx * weight + ridge, form.xy * weight, form.xz * weight,
-                     form.yy * weight + ridge, form.yz * weight, form.zz * weight + ridge};
-  const std::size_t first = batch.first_plane[i];
-  const PlaneArrays planes{&batch.nx[first], &batch.ny[first], &batch.nz[first], &batch.offset[first],
-                           batch.first_plane[i + 1] - first};
-  Vec3 x;
-  if (solve_qp3(G, batch.linear[i] * weight, planes, 1e-10, x) != QpStatus::solved) return;
+  const double weight = trace > 0 ? 1 / trace : 0;
+  const double ridge = trace > 0 ? settings.regularization / 3 : 0;
+  batch.scaled_form[i] = {form.xx * weight + ridge, form.xy * weight, form.xz * weight,
+                          form.yy * weight + ridge, form.yz * weight, form.zz * weight + ridge};
+  batch.scaled_linear[i] = batch.linear[i] * weight;
+}
+
+void read_solution(const PlacementSettings& settings, PlacementBatch& batch, std::size_t i) {
+  batch.cost[i] = std::numeric_limits<double>::infinity();
+  if (batch.status[i] != QpStatus::solved) return;
+  const Vec3& x = batch.x[i];
   const Vec3 p = batch.origin[i] + batch.scale[i] * x;
   batch.solution[i] = settings.float_positions ? round_to_floats(p) : position(p);
-  const double error = x.dot(0.5 * (form * x) + batch.linear[i]) + batch.constant[i];
+  const double error = x.dot(0.5 * (batch.form[i] * x) + batch.linear[i]) + batch.constant[i];
   // Among equally good collapses (flat regions) the short edge goes first.
   const double s2 = batch.scale[i] * batch.scale[i];
   batch.cost[i] = (std::max(0.0, 2 * error) + 1e-9) * s2 * s2;
@@ -150,9 +151,18 @@ void gather_placement(const CornerTable& mesh, const std::vector<float>& face_di
 }
 
 void solve_placements(const PlacementSettings& settings, PlacementBatch& batch) {
-  batch.solution.resize(batch.size());
-  batch.cost.resize(batch.size());
-  for (std::size_t i = 0; i < batch.size(); ++i) solve_placement(settings, batch, i);
+  const std::size_t n = batch.size();
+  for (auto* values : {&batch.scaled_linear, &batch.x}) values->resize(n);
+  batch.scaled_form.resize(n);
+  batch.status.resize(n);
+  batch.solution.resize(n);
+  batch.cost.resize(n);
+  if (n == 0) return;
+  for (std::size_t i = 0; i < n; ++i) scale_problem(settings, batch, i);
+  const Qp3Batch problems{batch.scaled_form, batch.scaled_linear, batch.first_plane, batch.nx, batch.ny,
+                          batch.nz,          batch.offset};
+  solve_qp3_batch(problems, 1e-10, batch.x, batch.status, settings.simd);
+  for (std::size_t i = 0; i < n; ++i) read_solution(settings, batch, i);
 }
 
 }  // namespace prcage

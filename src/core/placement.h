@@ -10,7 +10,7 @@
 
 #include "core/band.h"
 #include "core/corner_table.h"
-#include "core/qp3.h"
+#include "core/qp3_batch.h"
 
 namespace prcage {
 
@@ -33,6 +33,7 @@ struct PlacementSettings {
   bool float_positions = false;
   // Makes costs free of units: 1 / l^2 for the square root of an area times a squared length.
   double cost_scale = 1;
+  SimdLevel simd = simd_level();
 };
 
 // Problems and solutions, one entry an edge. Reused between calls; grows to the largest batch.
@@ -45,6 +46,11 @@ struct PlacementBatch {
   std::vector<double> constant;
   std::vector<Vec3> origin;
   std::vector<double> scale;
+
+  std::vector<Symmetric3> scaled_form;  // as the solver wants them
+  std::vector<Vec3> scaled_linear;
+  std::vector<Vec3> x;  // local frame
+  std::vector<QpStatus> status;
 
   std::vector<Position> solution;  // global frame
   std::vector<double> cost;        // area-weighted squared distance at the solution; infinity if infeasible

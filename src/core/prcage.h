@@ -221,6 +221,7 @@ struct Counts {
   std::uint64_t rejected_link = 0;         // link condition
   std::uint64_t rejected_infeasible = 0;   // empty feasible region, eq. 4 and 5
   std::uint64_t selected = 0;              // members of an independent set
+  std::uint64_t postponed = 0;             // dearer than thought, or not needed for the budget
   std::uint64_t rejected_orientation = 0;  // exact: a face would sweep inward
   std::uint64_t rejected_degenerate = 0;   // exact: a new face is degenerate or the patch folds onto itself
   std::uint64_t rejected_tau = 0;          // a new face could not be proved within tau_k

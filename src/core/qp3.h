@@ -3,10 +3,10 @@
 //
 // Dual active-set method (Goldfarb and Idnani 1983) in whitened coordinates: a Cholesky factor of the form turns the
 // problem into projecting the origin onto an intersection of half-spaces, where at most three constraints are active.
+// qp3_batch.h solves many problems at once, to the same bits.
 #pragma once
 
-#include <cstddef>
-
+#include "core/qp3_problem.h"
 #include "core/vec3.h"
 
 namespace prcage {
@@ -31,19 +31,9 @@ struct Symmetric3 {
   }
 };
 
-// Planes n . x >= offset in structure-of-arrays form; unit normals, or at least all of one scale.
-struct PlaneArrays {
-  const double* nx;
-  const double* ny;
-  const double* nz;
-  const double* offset;
-  std::size_t count;
-};
-
-enum class QpStatus { solved, infeasible, not_converged };
-
 // Minimises 1/2 x^T G x + g . x subject to the planes; G positive definite. A plane may be violated by up to
-// `tolerance` in the units of the offsets. Writes x if solved. Deterministic, no allocation, thread-safe.
+// `tolerance`, not negative, in the units of the offsets. Writes x if solved. Deterministic, no allocation,
+// thread-safe.
 QpStatus solve_qp3(const Symmetric3& G, const Vec3& g, const PlaneArrays& planes, double tolerance, Vec3& x);
 
 }  // namespace prcage

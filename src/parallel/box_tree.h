@@ -34,9 +34,10 @@ struct Box {
   float upper[3] = {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                     -std::numeric_limits<float>::infinity()};
 
-  bool overlaps(const Box& o) const {
-    return lower[0] <= o.upper[0] && o.lower[0] <= upper[0] && lower[1] <= o.upper[1] && o.lower[1] <= upper[1] &&
-           lower[2] <= o.upper[2] && o.lower[2] <= upper[2];
+  bool overlaps(const Box& o) const {  // without branches: the answer is hard to predict
+    bool all = true;
+    for (int k = 0; k < 3; ++k) all &= (lower[k] <= o.upper[k]) & (o.lower[k] <= upper[k]);
+    return all;
   }
   bool empty() const { return !(lower[0] <= upper[0]); }
 };

@@ -1,15 +1,77 @@
 #include "parallel/cage_state.h"
 
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "parallel/parallel_for.h"
 
 namespace prcage {
 namespace {
 
 template <class T>
 void keep(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
-  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
-  values.resize(kept.size());
+  std::vector<T> ordered(kept.size());
+  parallel_each(kept.size(), default_grain, [&](std::size_t i) { ordered[i] = values[kept[i]]; });
+  values = std::move(ordered);
+}
+
+// Bits of a 10-bit number, two apart.
+std::uint32_t spread(std::uint32_t x) {
+  x = (x | x << 16) & 0x030000ffu;
+  x = (x | x << 8) & 0x0300f00fu;
+  x = (x | x << 4) & 0x030c30c3u;
+  return (x | x << 2) & 0x09249249u;
+}
+
+// Place of a box's centre on the Morton curve through a grid of 1024^3 cells over the unit frame.
+std::uint32_t morton_code(const Box& box) {
+  std::uint32_t code = 0;
+  for (int k = 0; k < 3; ++k) {
+    const float x = 0.5f * (box.lower[k] + box.upper[k]) + 0.5f;
+    code |= spread(static_cast<std::uint32_t>(std::clamp(x * 1000.0f + 12.0f, 0.0f, 1023.0f))) << k;
+  }
+  return code;
+}
+
+std::vector<std::uint32_t> faces_along_curve(const CageState& state) {
+  auto order = parallel_gather<std::uint64_t>(
+      state.mesh.face_slots(), 1u << 14, [&](std::size_t begin, std::size_t end, auto& list) {
+        for (std::size_t f = begin; f < end; ++f)
+          if (state.mesh.face_alive(static_cast<std::uint32_t>(f)))
+            list.push_back(std::uint64_t{morton_code(state.face_box[f])} << 32 | f);
+      });
+  tbb::parallel_sort(order);
+  std::vector<std::uint32_t> faces(order.size());
+  parallel_each(order.size(), default_grain, [&](std::size_t i) { faces[i] = static_cast<std::uint32_t>(order[i]); });
+  return faces;
+}
+
+// In the order in which the faces use them.
+std::vector<std::uint32_t> vertices_along(const CornerTable& mesh, const std::vector<std::uint32_t>& faces) {
+  std::vector<std::uint32_t> vertices;
+  vertices.reserve(faces.size() / 2 + 2);
+  std::vector<std::uint8_t> seen(mesh.vertex_slots(), 0);
+  for (const std::uint32_t f : faces) {
+    for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const std::uint32_t v = mesh.corner_vertex[h];
+      if (seen[v] == 0) vertices.push_back(v);
+      seen[v] = 1;
+    }
+  }
+  return vertices;
+}
+
+// Each halfedge gets the cost of its edge, since the lower one may be the other one afterwards.
+void reorder_costs(CageState& state, const std::vector<std::uint32_t>& faces) {
+  std::vector<float> cost(3 * faces.size());
+  parallel_each(cost.size(), default_grain, [&](std::size_t i) {
+    const std::uint32_t h = 3 * faces[i / 3] + static_cast<std::uint32_t>(i % 3);
+    cost[i] = state.edge_cost[std::min(h, state.mesh.twin[h])];
+  });
+  state.edge_cost = std::move(cost);
 }
 
 }  // namespace
@@ -18,19 +80,17 @@ float round_distance_up(double distance) {
   return std::nextafter(static_cast<float>(distance), std::numeric_limits<float>::infinity());
 }
 
-void compact_if_sparse(CageState& state, double live_share) {
-  if (static_cast<double>(state.live_faces) >= live_share * static_cast<double>(state.mesh.face_slots())) return;
-  const Compaction kept = compact(state.mesh);
-  // The lower halfedge of an edge stays the lower one: live elements keep their order.
-  for (std::size_t i = 0; i < kept.faces.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      state.edge_cost[3 * i + k] = state.edge_cost[3 * std::size_t{kept.faces[i]} + k];
-  state.edge_cost.resize(3 * kept.faces.size());
-  keep(state.face_distance, kept.faces);
-  keep(state.face_near, kept.faces);
-  keep(state.face_box, kept.faces);
-  keep(state.dirty, kept.vertices);
-  state.face_owner.assign(kept.faces.size(), none);
+void sort_along_curve(CageState& state) {
+  Numbering order;
+  order.faces = faces_along_curve(state);
+  order.vertices = vertices_along(state.mesh, order.faces);
+  reorder_costs(state, order.faces);
+  renumber(state.mesh, order);
+  keep(state.face_distance, order.faces);
+  keep(state.face_near, order.faces);
+  keep(state.face_box, order.faces);
+  keep(state.vertex_distance, order.vertices);
+  keep(state.dirty, order.vertices);
 }
 
 }  // namespace prcage

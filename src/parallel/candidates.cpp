@@ -15,6 +15,8 @@ namespace prcage {
 namespace {
 
 constexpr std::uint64_t no_key = std::numeric_limits<std::uint64_t>::max();
+// A selected edge whose cost has grown by more than this factor since it was evaluated waits for its turn.
+constexpr float most_dearer = 1.5f;
 constexpr float no_cost = std::numeric_limits<float>::infinity();
 
 void atomic_min(std::uint64_t& target, std::uint64_t value) {
@@ -36,12 +38,30 @@ std::uint32_t mix(std::uint32_t x) {
 
 struct Scratch {
   PlacementBatch batch;
+  std::vector<std::size_t> index;
   Counts counts;
 };
 
 bool small_enough(const CornerTable& mesh, std::uint32_t h, std::uint32_t max_star) {
   const std::uint32_t a = mesh.valence(mesh.origin(h), max_star);
   return a < max_star && a + mesh.valence(mesh.target(h), max_star) <= max_star + 2;
+}
+
+// Adds the problem of an edge to the batch, unless its topology rules a collapse out.
+bool gather_if_legal(const CageState& state, const PlacementSettings& settings, std::uint32_t h, PlacementBatch& batch,
+                     Counts& counts) {
+  if (!small_enough(state.mesh, h, settings.max_star)) return false;
+  if (!link_condition(state.mesh, h)) {
+    ++counts.rejected_link;
+    return false;
+  }
+  gather_placement(state.mesh, state.face_distance, h, settings, batch);
+  return true;
+}
+
+// Costs are areas times squared lengths: the root keeps small edges within the range of floats.
+float edge_cost_of(double cost, const PlacementSettings& settings) {
+  return static_cast<float>(std::sqrt(cost) * settings.cost_scale);
 }
 
 // Edges of halfedges [begin, end) that need evaluation: gathered, solved as one batch, costs written back.
@@ -52,20 +72,15 @@ void evaluate_range(CageState& state, const PlacementSettings& settings, std::si
   batch.clear();
   for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
     if (!represents_edge(mesh, h)) continue;
-    if (!state.dirty[mesh.origin(h)] && !state.dirty[mesh.target(h)]) continue;
+    const Dirt dirt = std::max(state.dirty[mesh.origin(h)], state.dirty[mesh.target(h)]);
+    if (dirt == Dirt::clean || (dirt == Dirt::rim && state.edge_cost[h] < no_cost)) continue;
     state.edge_cost[h] = no_cost;
     ++scratch.counts.evaluated;
-    if (!small_enough(mesh, h, settings.max_star)) continue;
-    if (!link_condition(mesh, h)) {
-      ++scratch.counts.rejected_link;
-      continue;
-    }
-    gather_placement(mesh, state.face_distance, h, settings, batch);
+    gather_if_legal(state, settings, h, batch, scratch.counts);
   }
   solve_placements(settings, batch);
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    // Costs are areas times squared lengths: the root keeps small edges within the range of floats.
-    state.edge_cost[batch.halfedge[i]] = static_cast<float>(std::sqrt(batch.cost[i]) * settings.cost_scale);
+    state.edge_cost[batch.halfedge[i]] = edge_cost_of(batch.cost[i], settings);
     if (std::isinf(batch.cost[i])) ++scratch.counts.rejected_infeasible;
   }
 }
@@ -74,7 +89,7 @@ void evaluate_range(CageState& state, const PlacementSettings& settings, std::si
 
 void evaluate_dirty_edges(CageState& state, const PlacementSettings& settings, Counts& counts) {
   tbb::enumerable_thread_specific<Scratch> scratch;
-  constexpr std::size_t chunk = 384;  // halfedges; about 200 edges
+  constexpr std::size_t chunk = 1536;  // halfedges: up to 768 edges in a batch
   parallel_chunks(state.mesh.corner_vertex.size(), chunk, [&](std::size_t begin, std::size_t end) {
     Scratch& local = scratch.local();
     for (std::size_t b = begin; b < end; b += chunk)
@@ -83,7 +98,7 @@ void evaluate_dirty_edges(CageState& state, const PlacementSettings& settings, C
   for (const Scratch& local : scratch) counts += local.counts;
   parallel_chunks(state.dirty.size(), 1u << 16, [&](std::size_t begin, std::size_t end) {
     std::fill(state.dirty.begin() + static_cast<std::ptrdiff_t>(begin),
-              state.dirty.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{0});
+              state.dirty.begin() + static_cast<std::ptrdiff_t>(end), Dirt::clean);
   });
 }
 
@@ -123,6 +138,43 @@ std::vector<Candidate> select_independent_collapses(const CageState& state, std:
   });
   tbb::parallel_sort(selected);
   return selected;
+}
+
+PlacedCollapses place_collapses(CageState& state, const PlacementSettings& settings,
+                                const std::vector<Candidate>& selected) {
+  constexpr std::size_t chunk = 128;
+  tbb::enumerable_thread_specific<Scratch> scratch;
+  std::vector<Position> point(selected.size());
+  std::vector<std::uint8_t> confirmed(selected.size(), 0);
+  parallel_chunks(selected.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    Scratch& local = scratch.local();
+    PlacementBatch& batch = local.batch;
+    batch.clear();
+    std::vector<std::size_t>& origin = local.index;
+    origin.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t h = selected[i].halfedge;
+      if (gather_if_legal(state, settings, h, batch, local.counts))
+        origin.push_back(i);
+      else
+        state.edge_cost[h] = no_cost;
+    }
+    solve_placements(settings, batch);
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      const std::uint32_t h = batch.halfedge[k];
+      const float cost = edge_cost_of(batch.cost[k], settings);
+      point[origin[k]] = batch.solution[k];
+      confirmed[origin[k]] = cost < no_cost && cost <= most_dearer * state.edge_cost[h] ? 1 : 0;
+      state.edge_cost[h] = cost;
+    }
+  });
+  PlacedCollapses placed;
+  for (std::size_t i = 0; i < selected.size(); ++i) {
+    if (confirmed[i] == 0) continue;
+    placed.candidate.push_back(selected[i]);
+    placed.point.push_back(point[i]);
+  }
+  return placed;
 }
 
 std::vector<Candidate> select_independent_flips(const CornerTable& mesh, const std::vector<Candidate>& candidates) {

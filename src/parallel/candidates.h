@@ -8,8 +8,8 @@
 
 namespace prcage {
 
-// Evaluates every edge with a dirty endpoint: link condition, constraints, QP, cost. Writes edge_cost, clears dirty,
-// adds to the counts.
+// Evaluates every edge with a moved endpoint, and impossible ones with new faces round an endpoint: link condition,
+// constraints, QP, cost. Writes edge_cost, clears dirty, adds to the counts.
 void evaluate_dirty_edges(CageState& state, const PlacementSettings& settings, Counts& counts);
 
 // A member of an independent set. Keys are unique and order candidates by cost, equal costs by a hash of the edge.
@@ -26,6 +26,18 @@ std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t se
 // Edges of finite cost that are the minimum on every face of their star, in ascending order. Stars of the result are
 // disjoint, so the collapses cannot disturb each other's topology.
 std::vector<Candidate> select_independent_collapses(const CageState& state, std::uint64_t seed);
+
+// Collapses with the positions that their problems have now.
+struct PlacedCollapses {
+  std::vector<Candidate> candidate;
+  std::vector<Position> point;
+};
+
+// Costs may be out of date, since only the edges at moved vertices are evaluated again: solves the problems of the
+// selected edges on the present cage, writes their costs, and leaves out those that have become impossible or much
+// dearer.
+PlacedCollapses place_collapses(CageState& state, const PlacementSettings& settings,
+                                const std::vector<Candidate>& selected);
 
 // For operations that change the edges of all vertices in a quadrilateral: of the given candidates those that are the
 // minimum at the four vertices of their two faces, in ascending order.

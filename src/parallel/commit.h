@@ -7,9 +7,9 @@ namespace prcage {
 
 // Collapses the edges of all accepted patches, in parallel. Updates boxes and distances, marks the vertices whose
 // edges must be evaluated again, and takes rejected edges out of the race until then.
-void commit_collapses(CageState& state, const UnitFrame& frame, const PatchBatch& batch);
+void commit_collapses(CageState& state, const PatchBatch& batch);
 
 // Flips the edges of all accepted patches.
-void commit_flips(CageState& state, const UnitFrame& frame, const PatchBatch& batch);
+void commit_flips(CageState& state, const PatchBatch& batch);
 
 }  // namespace prcage

@@ -8,10 +8,10 @@ namespace prcage {
 
 // Rejects patches that meet a face of the cage which they would not remove. Faces that other patches would remove
 // count: a patch must be valid whether or not the others are committed.
-void reject_hits_on_cage(CageState& state, const UnitFrame& frame, const TreeDevice& device, PatchBatch& batch);
+void reject_hits_on_cage(const CageState& state, const TreeDevice& device, PatchBatch& batch);
 
 // Rejects of every two patches that meet the one with the higher key, in ascending order, so that the outcome is the
 // greedy one.
-void reject_conflicts(const CageState& state, const UnitFrame& frame, const TreeDevice& device, PatchBatch& batch);
+void reject_conflicts(const CageState& state, const TreeDevice& device, PatchBatch& batch);
 
 }  // namespace prcage

@@ -2,13 +2,14 @@
 
 #include <openvdb/openvdb.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "core/distance.h"
+#include "parallel/parallel_for.h"
 
 namespace prcage {
 namespace {
@@ -76,15 +77,32 @@ struct DistanceBand::Memo {
 
 DistanceBand::DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles,
                            const UnitFrame& frame, const BoxTree& tree)
-    : positions_(positions), triangles_(triangles), frame_(frame), tree_(&tree), memo_(std::make_unique<Memo>()) {}
+    : positions_(positions), triangles_(triangles), frame_(frame), tree_(&tree), memo_(std::make_unique<Memo>()) {
+  widest_face_ = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, triangles.size(), default_grain), 0.0,
+      [&](const tbb::blocked_range<std::size_t>& range, double widest) {
+        for (std::size_t f = range.begin(); f < range.end(); ++f) {
+          const Vec3 p = vec(positions[triangles[f][0]]);
+          const Vec3 q = vec(positions[triangles[f][1]]);
+          const Vec3 r = vec(positions[triangles[f][2]]);
+          widest = std::max({widest, (q - p).norm(), (r - q).norm(), (p - r).norm()});
+        }
+        return widest;
+      },
+      [](double x, double y) { return std::max(x, y); });
+}
 
 DistanceBand::~DistanceBand() = default;
 
 std::uint64_t DistanceBand::voxels_filled() const { return memo_->filled; }
 
-double DistanceBand::distance_to_face(const Vec3& x, std::uint32_t face) const {
+TriangleDistance DistanceBand::distance_from(std::uint32_t face) const {
   const Triangle& t = triangles_[face];
-  return (x - closest_point(x, vec(positions_[t[0]]), vec(positions_[t[1]]), vec(positions_[t[2]]))).norm();
+  return {vec(positions_[t[0]]), vec(positions_[t[1]]), vec(positions_[t[2]])};
+}
+
+double DistanceBand::distance_to_face(const Vec3& x, std::uint32_t face) const {
+  return std::sqrt(distance_from(face).squared(x));
 }
 
 DistanceBand::Near DistanceBand::nearest(const Vec3& x) const {
@@ -103,6 +121,11 @@ DistanceBand::Near DistanceBand::nearest(const Vec3& x) const {
 }
 
 DistanceBand::Near DistanceBand::near(const Vec3& x) {
+  const std::uint32_t face = near_face(x);
+  return {face, distance_to_face(x, face)};
+}
+
+std::uint32_t DistanceBand::near_face(const Vec3& x) {
   const Vec3 y = (x - frame_.centre) / voxel_size_;
   const openvdb::Coord voxel(static_cast<int>(std::floor(y.x())), static_cast<int>(std::floor(y.y())),
                              static_cast<int>(std::floor(y.z())));
@@ -117,8 +140,7 @@ DistanceBand::Near DistanceBand::near(const Vec3& x) {
     }
     recent = {voxel, face};
   }
-  const auto face = static_cast<std::uint32_t>(recent.face);
-  return {face, distance_to_face(x, face)};
+  return static_cast<std::uint32_t>(recent.face);
 }
 
 bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double tau) {
@@ -126,21 +148,19 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
   std::array<std::array<Vec3, 3>, 64> stack;
   std::size_t top = 0;
   stack[top++] = {a, b, c};
+  // No two points within tau of one face are farther apart.
+  const double widest = (2 * tau + widest_face_) * (2 * tau + widest_face_);
   for (int pieces = 0; top > 0; ++pieces) {
     if (pieces == max_pieces) return false;
     const std::array<Vec3, 3> piece = stack[--top];
     const auto& [p, q, r] = piece;
-    const Vec3 centre = (p + q + r) / 3;
-    Near found = near(centre);
-    if (found.distance > tau) {
-      found = nearest(centre);
-      if (found.distance > tau) return false;
-    }
-    const bool proved =
-        std::all_of(piece.begin(), piece.end(), [&](const Vec3& x) { return distance_to_face(x, found.face) <= tau; });
-    if (proved) continue;
     const std::array<double, 3> length{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
     const auto i = static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());
+    if (pieces == 0 || length[i] <= widest) {
+      const Proof proof = prove(piece, tau);
+      if (proof == Proof::refuted) return false;
+      if (proof == Proof::proved) continue;
+    }
     if (length[i] < smallest_piece * smallest_piece * tau * tau || top + 2 > stack.size()) return false;
     const Vec3& from = piece[i];
     const Vec3& to = piece[(i + 1) % 3];
@@ -150,6 +170,19 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
     stack[top++] = {from, middle, apex};
   }
   return true;
+}
+
+DistanceBand::Proof DistanceBand::prove(const std::array<Vec3, 3>& piece, double tau) {
+  const Vec3 centre = (piece[0] + piece[1] + piece[2]) / 3;
+  TriangleDistance face = distance_from(near_face(centre));
+  if (face.squared(centre) > tau * tau) {
+    const Near found = nearest(centre);
+    if (found.distance > tau) return Proof::refuted;
+    face = distance_from(found.face);
+  }
+  const bool proved =
+      std::all_of(piece.begin(), piece.end(), [&](const Vec3& x) { return face.squared(x) <= tau * tau; });
+  return proved ? Proof::proved : Proof::open;
 }
 
 void DistanceBand::set_voxel_size(double size) {

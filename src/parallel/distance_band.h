@@ -7,10 +7,12 @@
 // already holds. So results are the same for any number of threads, and memory follows the cage's surface.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 
+#include "core/distance.h"
 #include "parallel/box_tree.h"
 
 namespace prcage {
@@ -33,6 +35,7 @@ class DistanceBand {
   // The nearest face, lowest number among equals. Thread-safe.
   Near nearest(const Vec3& x) const;
   double distance_to_face(const Vec3& x, std::uint32_t face) const;
+  TriangleDistance distance_from(std::uint32_t face) const;
 
   // Is every point of triangle abc proved to be within `tau` of the input? The distance to one face is convex, so a
   // piece whose corners are within tau of one common face is proved; other pieces are divided. Thread-safe.
@@ -47,12 +50,17 @@ class DistanceBand {
 
  private:
   struct Memo;  // keeps OpenVDB out of this header
+  enum class Proof { proved, open, refuted };
+
+  std::uint32_t near_face(const Vec3& x);
+  Proof prove(const std::array<Vec3, 3>& piece, double tau);
 
   std::span<const Position> positions_;
   std::span<const Triangle> triangles_;
   UnitFrame frame_;
   const BoxTree* tree_;
   double voxel_size_ = 1;
+  double widest_face_ = 0;  // longest edge of the input
   std::unique_ptr<Memo> memo_;
 };
 

@@ -14,8 +14,8 @@ namespace prcage {
 namespace {
 
 // Voxels of the distance band per tau_k.
-constexpr double voxels_per_tau = 4;
-// Arrays are compacted below this share of live faces.
+constexpr double voxels_per_tau = 2;
+// Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
 // Rounded positions are off by up to half an ulp of a float in each coordinate; constraints keep clear of that.
@@ -41,6 +41,7 @@ class Engine {
     for (std::size_t k = 0; k < schedule.size(); ++k) {
       if (budget_reached()) return EngineOutcome::budget_reached;
       if (cancelled()) return EngineOutcome::cancelled;
+      if (k == 0) timed(context_.statistics->seconds.commit, [&] { sort_along_curve(state_); });
       run_cycle(k, schedule.size(), schedule[k]);
     }
     if (cancelled()) return EngineOutcome::cancelled;
@@ -73,7 +74,7 @@ class Engine {
       // An ulp below, so that rounding in distances cannot carry a proved point beyond tau_k.
       settings_.band.tau = cycle.tau * (1 - 1e-12);
       context_.band->set_voxel_size(cycle.tau / voxels_per_tau);
-      std::fill(state_.dirty.begin(), state_.dirty.end(), std::uint8_t{1});
+      std::fill(state_.dirty.begin(), state_.dirty.end(), Dirt::moved);
       report(Control::Stage::collapse, 0);
       while (!cancelled() && !budget_reached() && run_round(cycle)) {
         ++cycle.rounds;
@@ -86,38 +87,49 @@ class Engine {
     context_.statistics->cycles.push_back(cycle);
   }
 
+  void sort_if_sparse() {
+    const double slots = static_cast<double>(state_.mesh.face_slots());
+    if (static_cast<double>(state_.live_faces) < compaction_share * slots) sort_along_curve(state_);
+  }
+
   // False if there was nothing left to try.
   bool run_round(CycleStatistics& cycle) {
     StageSeconds& seconds = context_.statistics->seconds;
-    timed(seconds.commit, [&] { compact_if_sparse(state_, compaction_share); });
+    timed(seconds.commit, [&] { sort_if_sparse(); });
     timed(seconds.evaluate, [&] { evaluate_dirty_edges(state_, settings_, cycle.counts); });
     std::vector<Candidate> selected;
     timed(seconds.select, [&] { selected = select_independent_collapses(state_, context_.options->seed); });
     if (selected.empty()) return false;
-    limit_to_budget(selected);
+    PlacedCollapses placed;
+    timed(seconds.evaluate, [&] { placed = place_collapses(state_, settings_, selected); });
+    limit_to_budget(placed);
     PatchBatch batch;
     timed(seconds.build, [&] {
-      batch = build_collapses(state_, settings_, selected);
+      batch = build_collapses(state_, context_.frame, placed);
       test_patches_locally(state_, batch);
     });
     timed(seconds.distance, [&] {
       test_patches_against_band(state_, *context_.band, settings_.band.tau, context_.options->tau_mode, batch);
     });
     timed(seconds.collide, [&] {
-      reject_hits_on_cage(state_, context_.frame, *context_.device, batch);
-      reject_conflicts(state_, context_.frame, *context_.device, batch);
+      reject_hits_on_cage(state_, *context_.device, batch);
+      reject_conflicts(state_, *context_.device, batch);
     });
-    timed(seconds.commit, [&] { commit_collapses(state_, context_.frame, batch); });
+    timed(seconds.commit, [&] { commit_collapses(state_, batch); });
+    cycle.counts.selected += selected.size();
+    cycle.counts.postponed += selected.size() - batch.size();
     count(batch, cycle.counts);
     return true;
   }
 
   // The cheapest candidates go first when fewer are needed than there are.
-  void limit_to_budget(std::vector<Candidate>& selected) const {
+  void limit_to_budget(PlacedCollapses& placed) const {
     const std::size_t budget = context_.options->face_budget;
     if (budget == 0) return;
     const std::size_t wanted = (state_.live_faces - budget + 1) / 2;
-    if (selected.size() > wanted) selected.resize(wanted);
+    if (placed.candidate.size() <= wanted) return;
+    placed.candidate.resize(wanted);
+    placed.point.resize(wanted);
   }
 
   void run_flips(CycleStatistics& cycle) {
@@ -129,7 +141,6 @@ class Engine {
   }
 
   static void count(const PatchBatch& batch, Counts& counts) {
-    counts.selected += batch.size();
     counts.collapses += batch.count(Verdict::accepted);
     counts.rejected_orientation += batch.count(Verdict::sweeps_inward);
     counts.rejected_degenerate += batch.count(Verdict::degenerate);

@@ -103,14 +103,14 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
     const std::vector<Candidate> selected =
         select_independent_flips(state.mesh, find_flips(state.mesh, blocked, settings.seed));
     if (selected.empty()) return;
-    PatchBatch batch = build_flips(state, selected);
+    PatchBatch batch = build_flips(state, frame, selected);
     test_patches_locally(state, batch);
     test_patches_against_band(state, band, settings.tau, settings.mode, batch);
     if (settings.mode == TauMode::paper) test_flips_at_samples(state, band, settings.tau, batch);
-    reject_hits_on_cage(state, frame, device, batch);
-    reject_conflicts(state, frame, device, batch);
+    reject_hits_on_cage(state, device, batch);
+    reject_conflicts(state, device, batch);
     block_rejected(state.mesh, batch, blocked);
-    commit_flips(state, frame, batch);
+    commit_flips(state, batch);
     counts.flips_tried += batch.size();
     counts.flips += batch.count(Verdict::accepted);
   }

@@ -9,6 +9,7 @@
 
 #include "core/mesh_view.h"
 #include "core/schedule.h"
+#include "core/simd.h"
 #include "parallel/arena.h"
 #include "parallel/certify.h"
 #include "parallel/engine.h"
@@ -180,7 +181,7 @@ Result make_cage(const MeshView& input, const Options& options, Control* control
   Statistics& s = result.statistics;
   s.input_vertices = input.vertex_count;
   s.input_faces = input.triangle_count;
-  s.simd = "scalar";
+  s.simd = name_of(simd_level());
   if (const std::string error = options_error(options); !error.empty()) {
     result.status = Status::invalid_options;
     result.message = error;

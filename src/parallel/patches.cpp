@@ -1,7 +1,5 @@
 #include "parallel/patches.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -30,6 +28,7 @@ PatchBatch empty_patches(const std::vector<Candidate>& selected) {
   batch.moved.assign(selected.size(), none);
   batch.point.resize(selected.size());
   batch.verdict.assign(selected.size(), Verdict::accepted);
+  batch.moved_distance.assign(selected.size(), std::numeric_limits<float>::infinity());
   return batch;
 }
 
@@ -39,20 +38,8 @@ void allocate_faces(PatchBatch& batch) {
   batch.face.resize(triangles);
   batch.triangle.resize(triangles);
   batch.patch_of.resize(triangles);
+  batch.box.resize(triangles);
   batch.near.resize(triangles);
-}
-
-void place_collapses(const CageState& state, const PlacementSettings& settings, PatchBatch& batch) {
-  tbb::enumerable_thread_specific<PlacementBatch> scratch;
-  parallel_chunks(batch.size(), patch_grain, [&](std::size_t begin, std::size_t end) {
-    PlacementBatch& problems = scratch.local();
-    problems.clear();
-    for (std::size_t i = begin; i < end; ++i)
-      gather_placement(state.mesh, state.face_distance, batch.candidate[i].halfedge, settings, problems);
-    solve_placements(settings, problems);
-    std::copy(problems.solution.begin(), problems.solution.end(),
-              batch.point.begin() + static_cast<std::ptrdiff_t>(begin));
-  });
 }
 
 // The star of an edge: the two faces that die first, then those around the origin, then those around the target.
@@ -120,41 +107,77 @@ bool proper_patch(const CornerTable& mesh, const PatchBatch& batch, std::size_t 
 
 Vec3 corner(const TriangleRef& t, int i) { return {t.p[i][0], t.p[i][1], t.p[i][2]}; }
 
-// The input face nearest to x among those known for the faces that new face t replaces: itself and the faces next to it
-// in the star, and the two that die.
-DistanceBand::Near near_by_star(const CageState& state, const DistanceBand& band, const PatchBatch& batch,
-                                std::size_t t, const Vec3& x) {
-  const auto removed = batch.removed_faces(batch.patch_of[t]);
-  const auto own = static_cast<std::size_t>(std::find(removed.begin(), removed.end(), batch.face[t]) - removed.begin());
+// The input face nearest to x among those known for faces that the patch removes, the given ones first. Stops at one
+// that is near enough.
+DistanceBand::Near near_by_star(const CageState& state, const DistanceBand& band,
+                                std::span<const std::uint32_t> removed, std::initializer_list<std::size_t> order,
+                                const Vec3& x, double enough) {
   DistanceBand::Near best{none, std::numeric_limits<double>::infinity()};
   std::uint32_t last = none;
-  for (const std::size_t i : {own, own - 1, own + 1, std::size_t{0}, std::size_t{1}}) {
+  for (const std::size_t i : order) {
     if (i >= removed.size()) continue;
     const std::uint32_t face = state.face_near[removed[i]];
     if (face == last || face == best.face) continue;
     last = face;
     if (const double d = band.distance_to_face(x, face); d < best.distance) best = {face, d};
+    if (best.distance <= enough) break;
   }
   return best;
 }
 
-// Is new face t within tau for sure, and which input face is near its centroid? What the star knows answers while faces
-// are small against tau; the band answers the rest.
+DistanceBand::Near nearer(const DistanceBand::Near& known, DistanceBand& band, const Vec3& x, double enough) {
+  if (known.distance <= enough) return known;
+  const DistanceBand::Near found = band.near(x);
+  return found.distance < known.distance ? found : known;
+}
+
+// Is every point of the triangle within tau since its corners are well within it? A point is no farther from the corner
+// in which it has the largest barycentric coordinate than two thirds of the longest edge.
+bool within_by_corners(const std::array<Vec3, 3>& corner, double farthest, double tau) {
+  if (farthest >= tau) return false;
+  const double longest = std::max({(corner[1] - corner[0]).squaredNorm(), (corner[2] - corner[1]).squaredNorm(),
+                                   (corner[0] - corner[2]).squaredNorm()});
+  const double room = 1.5 * (tau - farthest);
+  return longest <= room * room * (1 - 1e-12);
+}
+
+// The distance to one face is convex: a triangle whose corners are within tau of it is so as a whole.
+bool beside_face(const TriangleDistance& face, const std::array<Vec3, 3>& corner, double tau) {
+  return std::all_of(corner.begin(), corner.end(), [&](const Vec3& x) { return face.squared(x) <= tau * tau; });
+}
+
+// Is new face t within tau for sure, and which input face is near its centroid? What the corners and the star know
+// answers while faces are small against tau; the band answers the rest.
 bool measure_face(const CageState& state, DistanceBand& band, double tau, TauMode mode, PatchBatch& batch,
                   std::size_t t) {
+  const std::size_t patch = batch.patch_of[t];
   const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
   const std::array<Vec3, 3> corners{corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
   const Vec3 centroid = (corners[0] + corners[1] + corners[2]) / 3;
+  std::array<double, 3> known;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t v = batch.triangle[t][i];
+    known[i] = v == batch.moved[patch] ? batch.moved_distance[patch] : state.vertex_distance[v];
+  }
+  const double enough = near_enough * tau;
+  const auto removed = batch.removed_faces(patch);
+  const auto own = static_cast<std::size_t>(std::find(removed.begin(), removed.end(), batch.face[t]) - removed.begin());
   DistanceBand::Near& near = batch.near[t];
-  near = near_by_star(state, band, batch, t, centroid);
-  const auto beside_near = [&](const Vec3& x) { return band.distance_to_face(x, near.face) <= tau; };
-  if (mode == TauMode::strict && !std::all_of(corners.begin(), corners.end(), beside_near) &&
+  near = near_by_star(state, band, removed, {own, own - 1, own + 1, 0, 1}, centroid, enough);
+  if (mode == TauMode::strict && !within_by_corners(corners, *std::max_element(known.begin(), known.end()), tau) &&
+      !beside_face(band.distance_from(near.face), corners, tau) &&
       !band.within(corners[0], corners[1], corners[2], tau))
     return false;
-  if (near.distance > near_enough * tau) {
-    if (const DistanceBand::Near found = band.near(centroid); found.distance < near.distance) near = found;
-  }
+  near = nearer(near, band, centroid, enough);
   return true;
+}
+
+void measure_moved(const CageState& state, DistanceBand& band, double tau, PatchBatch& batch, std::size_t i) {
+  if (batch.moved[i] == none) return;
+  const Vec3 p = vec(batch.point[i]);
+  const double enough = near_enough * tau;
+  const auto near = near_by_star(state, band, batch.removed_faces(i), {0, 1, 2, 3}, p, enough);
+  batch.moved_distance[i] = round_distance_up(nearer(near, band, p, enough).distance);
 }
 
 }  // namespace
@@ -170,10 +193,18 @@ TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std
   return {{at(v[0]), at(v[1]), at(v[2])}, {v[0], v[1], v[2]}};
 }
 
-PatchBatch build_collapses(const CageState& state, const PlacementSettings& settings,
-                           const std::vector<Candidate>& selected) {
+void set_boxes(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch) {
+  parallel_each(batch.triangle.size(), default_grain, [&](std::size_t t) {
+    const TriangleRef triangle = patch_triangle(mesh, batch, t);
+    batch.box[t] = bounding_box(frame, {triangle.p[0], triangle.p[1], triangle.p[2]});
+  });
+}
+
+PatchBatch build_collapses(const CageState& state, const UnitFrame& frame, const PlacedCollapses& placed) {
   const CornerTable& mesh = state.mesh;
+  const std::vector<Candidate>& selected = placed.candidate;
   PatchBatch batch = empty_patches(selected);
+  batch.point = placed.point;
   std::vector<std::uint32_t> star_size(selected.size());
   parallel_each(selected.size(), default_grain, [&](std::size_t i) {
     const std::uint32_t h = selected[i].halfedge;
@@ -183,17 +214,18 @@ PatchBatch build_collapses(const CageState& state, const PlacementSettings& sett
   batch.first_removed = offsets(selected.size(), [&](std::size_t i) { return star_size[i]; });
   batch.first_face = offsets(selected.size(), [&](std::size_t i) { return star_size[i] - 2; });
   allocate_faces(batch);
-  place_collapses(state, settings, batch);
   parallel_each(selected.size(), patch_grain, [&](std::size_t i) { list_collapse(mesh, batch, i); });
+  set_boxes(mesh, frame, batch);
   return batch;
 }
 
-PatchBatch build_flips(const CageState& state, const std::vector<Candidate>& selected) {
+PatchBatch build_flips(const CageState& state, const UnitFrame& frame, const std::vector<Candidate>& selected) {
   PatchBatch batch = empty_patches(selected);
   batch.first_removed = offsets(selected.size(), [](std::size_t) { return 2u; });
   batch.first_face = batch.first_removed;
   allocate_faces(batch);
   parallel_each(selected.size(), default_grain, [&](std::size_t i) { list_flip(state.mesh, batch, i); });
+  set_boxes(state.mesh, frame, batch);
   return batch;
 }
 
@@ -210,6 +242,7 @@ void test_patches_against_band(const CageState& state, DistanceBand& band, doubl
                                PatchBatch& batch) {
   parallel_each(batch.size(), patch_grain, [&](std::size_t i) {
     if (!batch.alive(i)) return;
+    measure_moved(state, band, tau, batch, i);
     for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
       if (measure_face(state, band, tau, mode, batch, t)) continue;
       batch.verdict[i] = Verdict::beyond_tau;

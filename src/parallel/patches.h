@@ -37,11 +37,16 @@ struct PatchBatch {
   std::vector<std::uint32_t> face;
   std::vector<Triangle> triangle;
   std::vector<std::uint32_t> patch_of;   // of each triangle
+  std::vector<Box> box;                  // of each triangle
   std::vector<DistanceBand::Near> near;  // of each triangle's centroid
+  std::vector<float> moved_distance;     // of each patch: upper bound of the distance of `point` to M
 
   std::size_t size() const { return candidate.size(); }
   std::span<const std::uint32_t> removed_faces(std::size_t i) const {
     return std::span(removed).subspan(first_removed[i], first_removed[i + 1] - first_removed[i]);
+  }
+  std::span<const Box> boxes(std::size_t i) const {
+    return std::span(box).subspan(first_face[i], first_face[i + 1] - first_face[i]);
   }
   bool alive(std::size_t i) const { return verdict[i] == Verdict::accepted; }
   std::size_t count(Verdict v) const;
@@ -50,12 +55,14 @@ struct PatchBatch {
 // Triangle t of the batch with the positions that it would have.
 TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std::size_t t);
 
-// Patches of the collapses of independent edges, placed by their quadric problems.
-PatchBatch build_collapses(const CageState& state, const PlacementSettings& settings,
-                           const std::vector<Candidate>& selected);
+// The boxes of the triangles for the present positions.
+void set_boxes(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch);
+
+// Patches of the collapses of independent edges.
+PatchBatch build_collapses(const CageState& state, const UnitFrame& frame, const PlacedCollapses& placed);
 
 // Patches of edge flips with disjoint quadrilaterals.
-PatchBatch build_flips(const CageState& state, const std::vector<Candidate>& selected);
+PatchBatch build_flips(const CageState& state, const UnitFrame& frame, const std::vector<Candidate>& selected);
 
 // Exact: p of each collapse is on the outer side of, or on, every face of its star; a flip adds volume outside; no
 // new face is degenerate; no patch meets itself.
