@@ -1,0 +1,108 @@
+// The QP solver on problems recorded from real runs: one by one and as a batch, by instruction set and number of
+// planes. The file is the one that the build made, or the one named by the environment variable PRCAGE_QP_FILE.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <vector>
+
+#include "core/qp3_batch.h"
+#include "perf/qp_file.h"
+
+namespace prcage::perf {
+namespace {
+
+const QpProblems& all_problems() {
+  static const QpProblems problems = [] {
+    const char* path = std::getenv("PRCAGE_QP_FILE");
+    return read_qps(path != nullptr ? path : PRCAGE_QP_FILE);
+  }();
+  return problems;
+}
+
+// Problems with more planes than the bucket below and at most `most`; 0 stands for all problems.
+constexpr std::array<std::size_t, 7> buckets{16, 20, 24, 28, 32, 40, 64};
+
+QpProblems problems_of(std::size_t most) {
+  const QpProblems& all = all_problems();
+  if (most == 0) return all;
+  std::size_t least = 0;
+  for (const std::size_t bucket : buckets)
+    if (bucket < most) least = bucket + 1;
+  QpProblems problems;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all.plane_count(i) >= least && all.plane_count(i) <= most)
+      problems.add(all.form[i], all.linear[i], all.planes(i));
+  return problems;
+}
+
+void plane_counts(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgName("planes")->Arg(0);
+  for (const std::size_t bucket : buckets) benchmark->Arg(static_cast<std::int64_t>(bucket));
+}
+
+void describe(benchmark::State& state, const QpProblems& problems, std::size_t solved) {
+  const auto count = static_cast<double>(problems.size());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(problems.size()));
+  state.counters["problems"] = count;
+  state.counters["mean_planes"] = static_cast<double>(problems.nx.size()) / count;
+  state.counters["feasible"] = static_cast<double>(solved) / count;
+}
+
+// The tolerance of solve_placements().
+constexpr double tolerance = 1e-10;
+
+void qp_one_by_one(benchmark::State& state) {
+  const QpProblems problems = problems_of(static_cast<std::size_t>(state.range(0)));
+  if (problems.size() == 0) return state.SkipWithError("no problem of that size was recorded");
+  std::size_t solved = 0;
+  for (auto _ : state) {
+    solved = 0;
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+      Vec3 x;
+      const QpStatus status = solve_qp3(problems.form[i], problems.linear[i], problems.planes(i), tolerance, x);
+      if (status == QpStatus::solved) ++solved;
+      benchmark::DoNotOptimize(x);
+    }
+  }
+  describe(state, problems, solved);
+}
+BENCHMARK(qp_one_by_one)->Apply(plane_counts);
+
+bool available(SimdLevel level) {
+  const auto levels = available_simd_levels();
+  return std::find(levels.begin(), levels.end(), level) != levels.end();
+}
+
+// In batches of the engine's size.
+void qp_batch(benchmark::State& state, SimdLevel level) {
+  constexpr std::size_t batch_size = 192;
+  if (!available(level)) return state.SkipWithError("not available on this machine");
+  const QpProblems problems = problems_of(static_cast<std::size_t>(state.range(0)));
+  if (problems.size() == 0) return state.SkipWithError("no problem of that size was recorded");
+  std::vector<Vec3> x(problems.size());
+  std::vector<QpStatus> status(problems.size());
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < problems.size(); i += batch_size) {
+      const std::size_t count = std::min(batch_size, problems.size() - i);
+      const Qp3Batch batch{std::span(problems.form).subspan(i, count),
+                           std::span(problems.linear).subspan(i, count),
+                           std::span(problems.first_plane).subspan(i, count + 1),
+                           problems.nx,
+                           problems.ny,
+                           problems.nz,
+                           problems.offset};
+      solve_qp3_batch(batch, tolerance, std::span(x).subspan(i, count), std::span(status).subspan(i, count), level);
+    }
+    benchmark::ClobberMemory();
+  }
+  describe(state, problems, static_cast<std::size_t>(std::count(status.begin(), status.end(), QpStatus::solved)));
+}
+BENCHMARK_CAPTURE(qp_batch, scalar, SimdLevel::scalar)->Apply(plane_counts);
+BENCHMARK_CAPTURE(qp_batch, sse2, SimdLevel::sse2)->Apply(plane_counts);
+BENCHMARK_CAPTURE(qp_batch, avx2, SimdLevel::avx2)->Apply(plane_counts);
+BENCHMARK_CAPTURE(qp_batch, avx512, SimdLevel::avx512)->Apply(plane_counts);
+
+}  // namespace
+}  // namespace prcage::perf
