@@ -234,7 +234,8 @@ std::set<std::uint32_t> local_minima(const CageState& state, std::uint64_t seed)
   return selected;
 }
 
-void expect_local_minima(const CageState& state, std::uint64_t seed) {
+void expect_local_minima(CageState& state, std::uint64_t seed) {
+  std::fill(state.reselect.begin(), state.reselect.end(), std::uint8_t{1});
   const std::vector<Candidate> selected = select_independent_collapses(state, seed);
   EXPECT_TRUE(std::is_sorted(selected.begin(), selected.end()));
   std::set<std::uint32_t> edges;
@@ -272,6 +273,26 @@ TEST(Select, CollapsesAreTheLocalMinimaAndTheirStarsAreDisjoint) {
       expect_local_minima(state, 3);
     });
   }
+}
+
+// Selections that only look where costs changed are those that look everywhere.
+TEST(Select, FollowsTheCostsThatChange) {
+  const Mesh input = testing::shape("bumpy", 1000);
+  in_arena(2, [&] {
+    const Stage stage(input);
+    CageState state = stage.state_of(input);
+    Counts counts;
+    evaluate_dirty_edges(state, stage.placement(stage.diagonal / 15), counts);
+    std::mt19937_64 random(4);
+    const std::vector<std::uint32_t> edges = edges_of(state.mesh);
+    for (int step = 0; step < 20; ++step) {
+      for (int i = 0; i < 30; ++i)
+        set_cost(state, edges[random() % edges.size()], random() % 3 == 0 ? no_cost : static_cast<float>(random() % 9));
+      std::set<std::uint32_t> selected;
+      for (const Candidate& c : select_independent_collapses(state, 0)) selected.insert(c.halfedge);
+      ASSERT_EQ(selected, local_minima(state, 0));
+    }
+  });
 }
 
 TEST(Select, CollapsesDoNotDependOnThreads) {

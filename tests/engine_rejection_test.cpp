@@ -33,7 +33,7 @@ Candidate candidate(const CageState& state, std::uint32_t h, float cost = 1) {
 PatchBatch collapse_to(const Stage& stage, CageState& state, std::uint32_t h, const Vec3& point) {
   PatchBatch batch = stage.patches(state, stage.placement(stage.diagonal), {candidate(state, h)});
   batch.point[0] = position(point);
-  set_boxes(state.mesh, stage.tree.frame(), batch);
+  set_bounds(state.mesh, stage.tree.frame(), batch);
   return batch;
 }
 
@@ -250,7 +250,7 @@ TEST(Rejection, TwoSheetsThatWouldBothMoveIntoTheSameGap) {
 // ------------------------------------------------------------------------------------------ whole batches
 
 // Patches of a shape's independent collapses, blown outward so far that many of them collide.
-PatchBatch wild_batch(const Stage& stage, CageState& state, std::uint64_t seed) {
+PatchBatch wild_batch(const Stage& stage, CageState& state, std::uint64_t seed, double farthest = 0.4) {
   Counts counts;
   evaluate_dirty_edges(state, stage.placement(stage.diagonal / 5), counts);
   for (std::uint32_t h = 0; h < state.edge_cost.size(); ++h)
@@ -259,13 +259,13 @@ PatchBatch wild_batch(const Stage& stage, CageState& state, std::uint64_t seed) 
   PatchBatch batch =
       stage.patches(state, stage.placement(stage.diagonal / 5), select_independent_collapses(state, seed));
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> reach(0.0, 0.4 * stage.diagonal);
+  std::uniform_real_distribution<double> reach(0.0, farthest * stage.diagonal);
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const std::uint32_t h = batch.candidate[i].halfedge;
     const Vec3 middle = 0.5 * (state.mesh.vec_at(state.mesh.origin(h)) + state.mesh.vec_at(state.mesh.target(h)));
     batch.point[i] = position(middle + reach(random) * testing::random_unit(random));
   }
-  set_boxes(state.mesh, stage.tree.frame(), batch);
+  set_bounds(state.mesh, stage.tree.frame(), batch);
   return batch;
 }
 
@@ -323,6 +323,40 @@ TEST(Verdicts, CollisionsAreThoseOfAllPairsAndTheGreedyChoice) {
   EXPECT_GT(hits, 50u);
   EXPECT_GT(conflicts, 20u);
   EXPECT_GT(accepted, 50u);
+}
+
+// With the directions that the local tests find, most patches are accepted without looking at pairs of triangles: the
+// verdicts must be those of all pairs all the same.
+TEST(Verdicts, ProjectionsProveNothingThatPairsRefute) {
+  std::size_t proved = 0, hits = 0, conflicts = 0;
+  for (const char* name : {"bumpy", "slabs", "knot", "spikes", "gyroid"})
+    for (const double farthest : {0.0, 0.02, 0.1})
+      for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        const Mesh input = testing::shape(name, 800);
+        in_arena(2, [&] {
+          const Stage stage(input);
+          CageState state = stage.state_of(input);
+          PatchBatch batch = wild_batch(stage, state, seed, farthest);
+          test_patches_locally(state, batch);
+          batch.verdict.assign(batch.size(), Verdict::accepted);
+          reject_hits_on_cage(state, stage.device, batch);
+          for (std::size_t i = 0; i < batch.size(); ++i) {
+            EXPECT_EQ(batch.verdict[i] == Verdict::hits_cage, hits_cage(state, batch, i));
+            proved += batch.unproved[i] == 0 ? 1 : 0;
+          }
+          hits += batch.count(Verdict::hits_cage);
+          std::vector<Verdict> expected = batch.verdict;
+          for (std::size_t i = 0; i < batch.size(); ++i)
+            for (std::size_t j = 0; j < i && expected[i] == Verdict::accepted; ++j)
+              if (expected[j] == Verdict::accepted && patches_meet(state, batch, i, j)) expected[i] = Verdict::conflict;
+          reject_conflicts(state, stage.device, batch);
+          EXPECT_EQ(batch.verdict, expected);
+          conflicts += batch.count(Verdict::conflict);
+        });
+      }
+  EXPECT_GT(proved, 300u);
+  EXPECT_GT(hits, 50u);
+  EXPECT_GT(conflicts, 0u);
 }
 
 TEST(Verdicts, LocalTestsAreThoseOfTheirDefinition) {

@@ -46,8 +46,7 @@ class Stage {
     state.mesh = CornerTable::from_mesh(cage);
     const std::size_t faces = cage.triangles.size();
     state.live_faces = faces;
-    state.edge_cost.assign(3 * faces, std::numeric_limits<float>::infinity());
-    state.dirty.assign(cage.positions.size(), Dirt::moved);
+    forget_costs(state);
     for (const Position& p : cage.positions)
       state.vertex_distance.push_back(round_distance_up(band->nearest(vec(p)).distance));
     for (const Triangle& t : cage.triangles) {
@@ -56,6 +55,7 @@ class Stage {
       state.face_near.push_back(near.face);
       state.face_distance.push_back(round_distance_up(near.distance));
       state.face_box.push_back(bounding_box(tree.frame(), {a.data(), b.data(), c.data()}));
+      state.face_normal.push_back(reliable_normal(a.data(), b.data(), c.data()));
     }
     return state;
   }

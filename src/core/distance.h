@@ -12,46 +12,41 @@ namespace prcage {
 // of the closed triangle up to rounding: within some 1e-12 of the triangle's size above or below the true ones.
 class TriangleDistance {
  public:
-  TriangleDistance(const Vec3& a, const Vec3& b, const Vec3& c) : corner_{a, b, c}, edge_{b - a, c - b, a - c} {
-    const Vec3 normal = edge_[2].cross(edge_[0]);
-    const double nn = normal.squaredNorm();
-    double longest = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double ee = edge_[i].squaredNorm();
-      over_length_[i] = ee > 0 ? 1 / ee : 0;
-      longest = std::max(longest, ee);
-    }
+  TriangleDistance(const Vec3& a, const Vec3& b, const Vec3& c)
+      : corner_{a, b, c}, edge_{b - a, c - b, a - c}, normal_(edge_[2].cross(edge_[0])), nn_(normal_.squaredNorm()) {
+    const double longest = std::max({edge_[0].squaredNorm(), edge_[1].squaredNorm(), edge_[2].squaredNorm()});
     // Slivers have no reliable plane; all of their points are near their edges.
-    if (!(nn > 1e-8 * longest * longest)) return;
-    unit_normal_ = normal / std::sqrt(nn);
-    beta_ = normal.cross(edge_[2]) / nn;
-    gamma_ = normal.cross(edge_[0]) / nn;
+    if (!(nn_ > 1e-8 * longest * longest)) nn_ = 0;
+    beta_ = normal_.cross(edge_[2]);
+    gamma_ = normal_.cross(edge_[0]);
   }
 
   double squared(const Vec3& x) const {
     const Vec3 ax = x - corner_[0];
-    // Barycentric coordinates of b and c; never all positive if there is no plane.
+    // Barycentric coordinates of b and c, times nn_: never all positive and less than one if there is no plane.
     const double v = beta_.dot(ax);
     const double w = gamma_.dot(ax);
-    if (v > 0 && w > 0 && v + w < 1) {
-      const double height = unit_normal_.dot(ax);
-      return height * height;
+    if (v > 0 && w > 0 && v + w < nn_) {
+      const double height = normal_.dot(ax);
+      return height * height / nn_;
     }
     return std::min({squared_to_edge(0, ax), squared_to_edge(1, x - corner_[1]), squared_to_edge(2, x - corner_[2])});
   }
 
  private:
   double squared_to_edge(int i, const Vec3& from_start) const {
-    const double t = std::clamp(from_start.dot(edge_[i]) * over_length_[i], 0.0, 1.0);
-    return (from_start - t * edge_[i]).squaredNorm();
+    const double along = from_start.dot(edge_[i]);
+    if (!(along > 0)) return from_start.squaredNorm();
+    const double length = edge_[i].squaredNorm();
+    return (from_start - (along < length ? along / length : 1) * edge_[i]).squaredNorm();
   }
 
   Vec3 corner_[3];
   Vec3 edge_[3];
-  double over_length_[3];
-  Vec3 unit_normal_ = Vec3::Zero();
-  Vec3 beta_ = Vec3::Zero();
-  Vec3 gamma_ = Vec3::Zero();
+  Vec3 normal_;
+  double nn_;  // squared length of the normal, zero if there is no plane
+  Vec3 beta_;
+  Vec3 gamma_;
 };
 
 }  // namespace prcage

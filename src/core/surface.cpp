@@ -113,10 +113,12 @@ std::vector<std::array<std::uint32_t, 2>> duplicate_faces(std::span<const Triang
                                                           const EdgeGroups& edges) {
   std::vector<std::array<std::uint32_t, 2>> found;
   std::vector<std::array<std::uint32_t, 2>> faces;  // {apex, face} round one edge
+  const auto apex = [&](std::uint32_t h) { return origin(triangles, previous_halfedge(h)); };
   for (std::size_t e = 0; e < edges.size(); ++e) {
     if (edges[e].size() < 2) continue;
+    if (edges[e].size() == 2 && apex(edges[e][0]) != apex(edges[e][1])) continue;  // nearly all of them
     faces.clear();
-    for (const std::uint32_t h : edges[e]) faces.push_back({origin(triangles, previous_halfedge(h)), h / 3});
+    for (const std::uint32_t h : edges[e]) faces.push_back({apex(h), h / 3});
     std::sort(faces.begin(), faces.end());
     const std::uint32_t h = edges[e][0];
     const std::uint32_t larger_end = std::max(origin(triangles, h), origin(triangles, next_halfedge(h)));

@@ -8,25 +8,50 @@
 namespace prcage {
 namespace {
 
-// orient3d in floating point: +1 or -1 if the sign is certain, else 0. The bound is the static error of the
-// expression below (7 roundings on each product of differences, each exact difference off by half an ulp) with
-// room to spare; results near underflow are left undecided.
-int filtered_side(const double* a, const double* b, const double* c, const double* d) {
-  const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-  const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
-  const double wx = d[0] - a[0], wy = d[1] - a[1], wz = d[2] - a[2];
-  const double yz = uy * vz, zy = uz * vy, zx = uz * vx, xz = ux * vz, xy = ux * vy, yx = uy * vx;
-  const double det = (yz - zy) * wx + (zx - xz) * wy + (xy - yx) * wz;
-  const double magnitude = (std::abs(yz) + std::abs(zy)) * std::abs(wx) + (std::abs(zx) + std::abs(xz)) * std::abs(wy) +
-                           (std::abs(xy) + std::abs(yx)) * std::abs(wz);
-  const double bound = 2e-15 * magnitude + 1e-280;
-  return det > bound ? 1 : det < -bound ? -1 : 0;
-}
+// A triangle's plane in floating point.
+class FilteredPlane {
+ public:
+  FilteredPlane(const double* a, const double* b, const double* c) : a_(a) {
+    const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
+    const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
+    const double yz = uy * vz, zy = uz * vy, zx = uz * vx, xz = ux * vz, xy = ux * vy, yx = uy * vx;
+    x_ = yz - zy;
+    y_ = zx - xz;
+    z_ = xy - yx;
+    x_magnitude_ = std::abs(yz) + std::abs(zy);
+    y_magnitude_ = std::abs(zx) + std::abs(xz);
+    z_magnitude_ = std::abs(xy) + std::abs(yx);
+  }
+
+  // orient3d: +1 or -1 if the sign is certain, else 0. The bound is the static error of the expression (7 roundings
+  // on each product of differences, each exact difference off by half an ulp) with room to spare; results near
+  // underflow are left undecided.
+  int side(const double* d) const {
+    const double wx = d[0] - a_[0], wy = d[1] - a_[1], wz = d[2] - a_[2];
+    const double det = x_ * wx + y_ * wy + z_ * wz;
+    const double magnitude = x_magnitude_ * std::abs(wx) + y_magnitude_ * std::abs(wy) + z_magnitude_ * std::abs(wz);
+    const double bound = 2e-15 * magnitude + 1e-280;
+    return det > bound ? 1 : det < -bound ? -1 : 0;
+  }
+
+ private:
+  const double* a_;
+  double x_, y_, z_;
+  double x_magnitude_, y_magnitude_, z_magnitude_;
+};
 
 // Are both points certain to be strictly on one side of the plane of t?
 bool both_on_one_side(const double* const t[3], const double* x, const double* y) {
-  const int side = filtered_side(t[0], t[1], t[2], x);
-  return side != 0 && filtered_side(t[0], t[1], t[2], y) == side;
+  const FilteredPlane plane(t[0], t[1], t[2]);
+  const int side = plane.side(x);
+  return side != 0 && plane.side(y) == side;
+}
+
+// Are all corners of s certain to be strictly on one side of the plane of t?
+bool separates(const double* const t[3], const double* const s[3]) {
+  const FilteredPlane plane(t[0], t[1], t[2]);
+  const int side = plane.side(s[0]);
+  return side != 0 && plane.side(s[1]) == side && plane.side(s[2]) == side;
 }
 
 bool shares_two(const TriangleRef& a, const int* in_a, const TriangleRef& b, const int* in_b) {
@@ -34,7 +59,7 @@ bool shares_two(const TriangleRef& a, const int* in_a, const TriangleRef& b, con
   const double* v = a.p[in_a[1]];
   const double* p = a.p[3 - in_a[0] - in_a[1]];
   const double* q = b.p[3 - in_b[0] - in_b[1]];
-  if (filtered_side(u, v, p, q) != 0) return false;
+  if (FilteredPlane(u, v, p).side(q) != 0) return false;
   if (exact::orient3d(u, v, p, q) != 0) return false;
   return exact::coplanar_side(u, v, p, q) > 0;
 }
@@ -52,10 +77,6 @@ bool shares_one(const TriangleRef& a, int in_a, const TriangleRef& b, int in_b) 
 }  // namespace
 
 bool certainly_separated(const double* const a[3], const double* const b[3]) {
-  const auto separates = [](const double* const t[3], const double* const s[3]) {
-    const int side = filtered_side(t[0], t[1], t[2], s[0]);
-    return side != 0 && filtered_side(t[0], t[1], t[2], s[1]) == side && filtered_side(t[0], t[1], t[2], s[2]) == side;
-  };
   return separates(a, b) || separates(b, a);
 }
 

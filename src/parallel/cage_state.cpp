@@ -3,6 +3,7 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -80,6 +81,29 @@ float round_distance_up(double distance) {
   return std::nextafter(static_cast<float>(distance), std::numeric_limits<float>::infinity());
 }
 
+Normal reliable_normal(const double* a, const double* b, const double* c) {
+  const Vec3 p(a[0], a[1], a[2]), q(b[0], b[1], b[2]), r(c[0], c[1], c[2]);
+  const Vec3 n = (q - p).cross(r - p);
+  const double longest = std::max({(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()});
+  const double length = n.norm();
+  if (!(length > 1e-8 * longest)) return {0, 0, 0};
+  return {static_cast<float>(n.x() / length), static_cast<float>(n.y() / length), static_cast<float>(n.z() / length)};
+}
+
+void set_cost(CageState& state, std::uint32_t h, float cost) {
+  state.edge_cost[h] = cost;
+  for (const std::uint32_t v : {state.mesh.origin(h), state.mesh.target(h)})
+    std::atomic_ref(state.reselect[v]).store(1, std::memory_order_relaxed);
+}
+
+void forget_costs(CageState& state) {
+  const std::size_t vertices = state.mesh.vertex_slots();
+  state.edge_cost.assign(state.mesh.corner_vertex.size(), std::numeric_limits<float>::infinity());
+  state.dirty.assign(vertices, Dirt::moved);
+  state.best_edge.resize(vertices);
+  state.reselect.assign(vertices, 1);
+}
+
 void sort_along_curve(CageState& state) {
   Numbering order;
   order.faces = faces_along_curve(state);
@@ -89,8 +113,11 @@ void sort_along_curve(CageState& state) {
   keep(state.face_distance, order.faces);
   keep(state.face_near, order.faces);
   keep(state.face_box, order.faces);
+  keep(state.face_normal, order.faces);
   keep(state.vertex_distance, order.vertices);
   keep(state.dirty, order.vertices);
+  state.best_edge.resize(order.vertices.size());
+  state.reselect.assign(order.vertices.size(), 1);
 }
 
 }  // namespace prcage

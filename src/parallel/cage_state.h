@@ -2,6 +2,7 @@
 // All arrays are flat and indexed like the corner table; every stage of a round reads some and writes others.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -14,19 +15,42 @@ namespace prcage {
 // What happened at a vertex since its edges were evaluated.
 enum class Dirt : std::uint8_t { clean, rim, moved };  // nothing; faces at it were replaced; it moved
 
+// Unit normal, off by no more than 1e-6, or zero for faces so thin that theirs is not reliable.
+using Normal = std::array<float, 3>;
+Normal reliable_normal(const double* a, const double* b, const double* c);
+
+// An edge that might be collapsed or flipped. Keys are unique and order candidates by cost, equal costs by a hash of
+// the edge.
+struct Candidate {
+  std::uint64_t key;
+  std::uint32_t halfedge;
+
+  bool operator<(const Candidate& other) const { return key < other.key; }
+};
+
 struct CageState {
   CornerTable mesh;
   std::size_t live_faces = 0;
   std::vector<float> face_distance;      // per face: upper bound of d(c_f, M)
   std::vector<std::uint32_t> face_near;  // per face: input face to which face_distance was measured
   std::vector<Box> face_box;             // per face; empty for dead faces
+  std::vector<Normal> face_normal;       // per face
   std::vector<float> vertex_distance;    // per vertex: upper bound of its distance to M
   std::vector<float> edge_cost;          // per halfedge, valid for the lower one of an edge; infinity: no candidate
+  std::vector<Candidate> best_edge;      // per vertex: the cheapest edge at it, valid where reselect is 0
+  std::vector<std::uint8_t> reselect;    // per vertex: the cost of an edge at it has changed
   std::vector<Dirt> dirty;               // per vertex
 };
 
 // Distance as a float that is not smaller.
 float round_distance_up(double distance);
+
+// Sets the cost of the edge of h, the lower halfedge. Its ends are looked at again by the next selection. Thread-safe
+// for different edges.
+void set_cost(CageState& state, std::uint32_t h, float cost);
+
+// Forgets what is known of edges: all are to be evaluated.
+void forget_costs(CageState& state);
 
 // Removes dead elements and puts the live ones in the order of a space-filling curve, so that what is near in space
 // is near in memory, and runs of faces have small boxes. The order depends on the cage only.

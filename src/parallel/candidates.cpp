@@ -74,7 +74,7 @@ void evaluate_range(CageState& state, const PlacementSettings& settings, std::si
     if (!represents_edge(mesh, h)) continue;
     const Dirt dirt = std::max(state.dirty[mesh.origin(h)], state.dirty[mesh.target(h)]);
     if (dirt == Dirt::clean || (dirt == Dirt::rim && state.edge_cost[h] < no_cost)) continue;
-    state.edge_cost[h] = no_cost;
+    set_cost(state, h, no_cost);
     ++scratch.counts.evaluated;
     gather_if_legal(state, settings, h, batch, scratch.counts);
   }
@@ -83,6 +83,36 @@ void evaluate_range(CageState& state, const PlacementSettings& settings, std::si
     state.edge_cost[batch.halfedge[i]] = edge_cost_of(batch.cost[i], settings);
     if (std::isinf(batch.cost[i])) ++scratch.counts.rejected_infeasible;
   }
+}
+
+// The cheapest candidate among the edges at v.
+Candidate best_edge_at(const CageState& state, std::uint32_t v, std::uint64_t seed) {
+  Candidate best{no_key, none};
+  if (state.mesh.vertex_halfedge[v] == none) return best;
+  float least = no_cost;
+  for_each_outgoing(state.mesh, v, [&](std::uint32_t h) {
+    const std::uint32_t edge = std::min(h, state.mesh.twin[h]);
+    const float cost = state.edge_cost[edge];
+    if (cost > least || cost == no_cost) return;
+    const Candidate candidate{candidate_key(cost, edge, seed), edge};
+    if (candidate < best) best = candidate;
+    least = cost;
+  });
+  return best;
+}
+
+// Is the edge the cheapest among those whose stars have a face in common with its own? Such an edge has an endpoint at
+// or next to one of its endpoints.
+bool is_least_nearby(const CageState& state, const Candidate& edge) {
+  const CornerTable& mesh = state.mesh;
+  bool least = true;
+  for (const std::uint32_t v : {mesh.origin(edge.halfedge), mesh.target(edge.halfedge)}) {
+    least = least && state.best_edge[v].key == edge.key;
+    if (!least) return false;
+    for_each_outgoing(mesh, v,
+                      [&](std::uint32_t h) { least = least && state.best_edge[mesh.target(h)].key >= edge.key; });
+  }
+  return least;
 }
 
 }  // namespace
@@ -107,35 +137,20 @@ std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t se
   return std::uint64_t{std::bit_cast<std::uint32_t>(cost)} << 32 | mix(halfedge ^ salt);
 }
 
-std::vector<Candidate> select_independent_collapses(const CageState& state, std::uint64_t seed) {
-  const CornerTable& mesh = state.mesh;
-  const std::size_t halfedges = mesh.corner_vertex.size();
-  const auto is_candidate = [&](std::uint32_t h) { return represents_edge(mesh, h) && state.edge_cost[h] < no_cost; };
-  // Best key among the edges at a vertex.
-  std::vector<std::uint64_t> at_vertex(mesh.vertex_slots(), no_key);
-  parallel_each(halfedges, default_grain, [&](std::size_t i) {
-    const auto h = static_cast<std::uint32_t>(i);
-    if (!is_candidate(h)) return;
-    const std::uint64_t key = candidate_key(state.edge_cost[h], h, seed);
-    atomic_min(at_vertex[mesh.origin(h)], key);
-    atomic_min(at_vertex[mesh.target(h)], key);
+std::vector<Candidate> select_independent_collapses(CageState& state, std::uint64_t seed) {
+  parallel_each(state.mesh.vertex_slots(), default_grain, [&](std::size_t v) {
+    if (state.reselect[v] == 0) return;
+    state.reselect[v] = 0;
+    state.best_edge[v] = best_edge_at(state, static_cast<std::uint32_t>(v), seed);
   });
-  // Best key among the candidates whose star holds any face of the vertex: a star holds a face exactly if an endpoint
-  // of its edge is a corner of the face.
-  std::vector<std::uint64_t> at_faces(mesh.vertex_slots(), no_key);
-  parallel_each(mesh.face_slots(), default_grain, [&](std::size_t f) {
-    const std::uint32_t* v = &mesh.corner_vertex[3 * f];
-    if (v[0] == none) return;
-    const std::uint64_t best = std::min({at_vertex[v[0]], at_vertex[v[1]], at_vertex[v[2]]});
-    for (int k = 0; k < 3; ++k) atomic_min(at_faces[v[k]], best);
-  });
-  auto selected = parallel_gather<Candidate>(halfedges, 1u << 14, [&](std::size_t begin, std::size_t end, auto& list) {
-    for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
-      if (!is_candidate(h)) continue;
-      const std::uint64_t key = candidate_key(state.edge_cost[h], h, seed);
-      if (at_faces[mesh.origin(h)] == key && at_faces[mesh.target(h)] == key) list.push_back({key, h});
-    }
-  });
+  auto selected = parallel_gather<Candidate>(
+      state.mesh.vertex_slots(), 1u << 13, [&](std::size_t begin, std::size_t end, auto& list) {
+        for (std::size_t v = begin; v < end; ++v) {
+          const Candidate& best = state.best_edge[v];
+          if (best.key != no_key && state.mesh.origin(best.halfedge) == v && is_least_nearby(state, best))
+            list.push_back(best);
+        }
+      });
   tbb::parallel_sort(selected);
   return selected;
 }
@@ -157,7 +172,7 @@ PlacedCollapses place_collapses(CageState& state, const PlacementSettings& setti
       if (gather_if_legal(state, settings, h, batch, local.counts))
         origin.push_back(i);
       else
-        state.edge_cost[h] = no_cost;
+        set_cost(state, h, no_cost);
     }
     solve_placements(settings, batch);
     for (std::size_t k = 0; k < batch.size(); ++k) {
@@ -165,7 +180,7 @@ PlacedCollapses place_collapses(CageState& state, const PlacementSettings& setti
       const float cost = edge_cost_of(batch.cost[k], settings);
       point[origin[k]] = batch.solution[k];
       confirmed[origin[k]] = cost < no_cost && cost <= most_dearer * state.edge_cost[h] ? 1 : 0;
-      state.edge_cost[h] = cost;
+      set_cost(state, h, cost);
     }
   });
   PlacedCollapses placed;

@@ -12,20 +12,13 @@ namespace prcage {
 // constraints, QP, cost. Writes edge_cost, clears dirty, adds to the counts.
 void evaluate_dirty_edges(CageState& state, const PlacementSettings& settings, Counts& counts);
 
-// A member of an independent set. Keys are unique and order candidates by cost, equal costs by a hash of the edge.
-struct Candidate {
-  std::uint64_t key;
-  std::uint32_t halfedge;
-
-  bool operator<(const Candidate& other) const { return key < other.key; }
-};
-
 // Order-preserving key of a non-negative cost, made unique by the halfedge.
 std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t seed);
 
 // Edges of finite cost that are the minimum on every face of their star, in ascending order. Stars of the result are
-// disjoint, so the collapses cannot disturb each other's topology.
-std::vector<Candidate> select_independent_collapses(const CageState& state, std::uint64_t seed);
+// disjoint, so the collapses cannot disturb each other's topology. Looks again at the vertices marked in `reselect`
+// only; the seed must be the same while a state lasts.
+std::vector<Candidate> select_independent_collapses(CageState& state, std::uint64_t seed);
 
 // Collapses with the positions that their problems have now.
 struct PlacedCollapses {

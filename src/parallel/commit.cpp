@@ -21,6 +21,7 @@ void take_over_faces(CageState& state, const PatchBatch& batch, std::size_t i) {
     state.face_distance[f] = round_distance_up(batch.near[t].distance);
     state.face_near[f] = batch.near[t].face;
     state.face_box[f] = batch.box[t];
+    state.face_normal[f] = batch.normal[t];
     for (const std::uint32_t u : batch.triangle[t]) mark_dirty(state, u, u == batch.moved[i] ? Dirt::moved : Dirt::rim);
   }
 }
@@ -40,7 +41,7 @@ void commit_collapses(CageState& state, const PatchBatch& batch) {
       case Verdict::conflict:
         break;  // still a candidate
       default:
-        state.edge_cost[h] = std::numeric_limits<float>::infinity();
+        set_cost(state, h, std::numeric_limits<float>::infinity());
     }
   });
   state.live_faces -= 2 * batch.count(Verdict::accepted);

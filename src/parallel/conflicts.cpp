@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -20,35 +21,84 @@ bool alive(PatchBatch& batch, std::uint32_t patch) {
 
 constexpr std::uint32_t run_length = 32;
 
+// Least cosine between a direction and a normal that counts as facing it: well above the error of stored normals.
+constexpr double least_cosine = 1e-4;
+
+bool surely_faces(const Vec3& n, const Normal& normal) {
+  return n.x() * double{normal[0]} + n.y() * double{normal[1]} + n.z() * double{normal[2]} > least_cosine;
+}
+
+// Holds the normals of several faces: no angle to `axis` is larger than that of the given cosine and sine.
+struct Cone {
+  Vec3 axis = Vec3::Zero();
+  double cosine = 1;  // not positive: no use
+  double sine = 0;
+
+  // Do all normals face n? Their angles to it are at most the sum of the cone's and that between n and the axis.
+  bool all_face(const Vec3& n) const {
+    const double c = n.dot(axis);
+    if (!(c > 0) || !(cosine > 0)) return false;
+    return c * cosine - std::sqrt(std::max(0.0, 1 - c * c)) * sine > 2 * least_cosine;
+  }
+};
+
+Cone cone_of(std::span<const Box> boxes, std::span<const Normal> normals) {
+  Cone cone;
+  const auto vec_of = [](const Normal& n) { return Vec3(n[0], n[1], n[2]); };
+  for (const Normal& n : normals) cone.axis += vec_of(n);
+  const double length = cone.axis.norm();
+  if (!(length > 0)) return {Vec3::Zero(), 0, 1};
+  cone.axis /= length;
+  for (std::size_t i = 0; i < normals.size(); ++i)
+    if (!boxes[i].empty()) cone.cosine = std::min(cone.cosine, cone.axis.dot(vec_of(normals[i])));
+  cone.sine = std::sqrt(std::max(0.0, 1 - cone.cosine * cone.cosine));
+  return cone;
+}
+
 Box united(std::span<const Box> boxes) {
   Box box;
-  for (const Box& b : boxes) {
-    for (int k = 0; k < 3; ++k) {
-      box.lower[k] = std::min(box.lower[k], b.lower[k]);
-      box.upper[k] = std::max(box.upper[k], b.upper[k]);
-    }
-  }
+  for (const Box& b : boxes) box.unite(b);
   return box;
 }
 
-// Boxes of the patches that are still in the race, empty ones for the rest.
-std::vector<Box> patch_boxes(const PatchBatch& batch) {
+// Boxes of the selected patches and of the faces that they would remove, empty ones for the rest.
+template <class Selected>
+std::vector<Box> patch_boxes(const CageState& state, const PatchBatch& batch, const Selected& selected) {
   std::vector<Box> boxes(batch.size());
   parallel_each(batch.size(), default_grain, [&](std::size_t i) {
-    if (batch.alive(i)) boxes[i] = united(batch.boxes(i));
+    if (!selected(i)) return;
+    Box box = united(batch.boxes(i));
+    for (const std::uint32_t f : batch.removed_faces(i)) box.unite(state.face_box[f]);
+    boxes[i] = box;
   });
   return boxes;
 }
 
-// Boxes of runs of consecutive faces: those are near each other, since faces are sorted along a curve. One tree over
-// them stands for one over all faces at a fraction of its cost.
-std::vector<Box> run_boxes(const std::vector<Box>& face_box) {
-  std::vector<Box> boxes((face_box.size() + run_length - 1) / run_length);
-  parallel_each(boxes.size(), run_length, [&](std::size_t r) {
-    const std::size_t first = r * run_length;
-    boxes[r] = united(std::span(face_box).subspan(first, std::min<std::size_t>(run_length, face_box.size() - first)));
+// Consecutive faces: they are near each other, since faces are sorted along a curve. One tree over the boxes of runs
+// stands for one over all faces at a fraction of its cost.
+struct Runs {
+  std::vector<Box> box;
+  std::vector<Cone> normals;
+
+  static std::uint32_t first(std::uint32_t run) { return run * run_length; }
+  static std::uint32_t last(std::uint32_t run, const CageState& state) {
+    return std::min(first(run) + run_length, static_cast<std::uint32_t>(state.face_box.size()));
+  }
+};
+
+Runs runs_of(const CageState& state) {
+  Runs runs;
+  const std::size_t n = (state.face_box.size() + run_length - 1) / run_length;
+  runs.box.resize(n);
+  runs.normals.resize(n);
+  parallel_each(n, run_length, [&](std::size_t r) {
+    const std::uint32_t first = Runs::first(static_cast<std::uint32_t>(r));
+    const std::size_t length = Runs::last(static_cast<std::uint32_t>(r), state) - first;
+    runs.box[r] = united(std::span(state.face_box).subspan(first, length));
+    runs.normals[r] =
+        cone_of(std::span(state.face_box).subspan(first, length), std::span(state.face_normal).subspan(first, length));
   });
-  return boxes;
+  return runs;
 }
 
 TriangleRef cage_triangle(const CornerTable& mesh, std::uint32_t f) {
@@ -67,6 +117,15 @@ bool meets_face(const CageState& state, const PatchBatch& batch, std::size_t pat
   return false;
 }
 
+// Once patch p is part of the cage, its faces must face the direction of patch q as well: then q is proved as against
+// the cage before.
+bool proved_apart(const PatchBatch& batch, std::size_t p, std::size_t q) {
+  if (batch.unproved[q] != 0) return false;
+  const auto normals = batch.normals(p);
+  return std::all_of(normals.begin(), normals.end(),
+                     [&](const Normal& normal) { return surely_faces(batch.direction[q], normal); });
+}
+
 bool patches_meet(const CageState& state, const PatchBatch& batch, std::size_t p, std::size_t q) {
   for (std::size_t s = batch.first_face[p]; s < batch.first_face[p + 1]; ++s)
     for (std::size_t t = batch.first_face[q]; t < batch.first_face[q + 1]; ++t)
@@ -76,20 +135,38 @@ bool patches_meet(const CageState& state, const PatchBatch& batch, std::size_t p
   return false;
 }
 
+// Of the patches still in the race those that condition 2 of core/projection.h does not prove free of contact with the
+// rest of the cage.
+std::vector<std::uint8_t> unproved_patches(const CageState& state, const TreeDevice& device, const Runs& runs,
+                                           const BoxTree& run_tree, const PatchBatch& batch) {
+  std::vector<std::uint8_t> unproved(batch.size(), 0);
+  parallel_each(batch.size(), default_grain,
+                [&](std::size_t i) { unproved[i] = batch.alive(i) && batch.direction[i].isZero(0) ? 1 : 0; });
+  const auto boxes = patch_boxes(state, batch, [&](std::size_t i) { return batch.alive(i) && unproved[i] == 0; });
+  BoxTree patches(device);
+  patches.build(boxes, TreeQuality::fast_build);
+  join(patches, run_tree, [&](std::uint32_t patch, std::uint32_t run) {
+    const Vec3& n = batch.direction[patch];
+    if (runs.normals[run].all_face(n)) return;
+    for (std::uint32_t f = Runs::first(run); f < Runs::last(run, state); ++f)
+      if (boxes[patch].overlaps(state.face_box[f]) && !surely_faces(n, state.face_normal[f]))
+        std::atomic_ref(unproved[patch]).store(1, std::memory_order_relaxed);
+  });
+  return unproved;
+}
+
 }  // namespace
 
 void reject_hits_on_cage(const CageState& state, const TreeDevice& device, PatchBatch& batch) {
-  const std::vector<Box> boxes = patch_boxes(batch);
+  const Runs runs = runs_of(state);
+  BoxTree run_tree(device);
+  run_tree.build(runs.box, TreeQuality::fast_build);
+  batch.unproved = unproved_patches(state, device, runs, run_tree, batch);
+  const auto boxes = patch_boxes(state, batch, [&](std::size_t i) { return batch.unproved[i] != 0; });
   BoxTree patches(device);
   patches.build(boxes, TreeQuality::fast_build);
-  if (patches.empty()) return;
-  const std::vector<Box> run_box = run_boxes(state.face_box);
-  BoxTree runs(device);
-  runs.build(run_box, TreeQuality::fast_build);
-  join(patches, runs, [&](std::uint32_t patch, std::uint32_t run) {
-    const std::uint32_t first = run * run_length;
-    const std::uint32_t last = std::min(first + run_length, static_cast<std::uint32_t>(state.face_box.size()));
-    for (std::uint32_t f = first; f < last && alive(batch, patch); ++f) {
+  join(patches, run_tree, [&](std::uint32_t patch, std::uint32_t run) {
+    for (std::uint32_t f = Runs::first(run); f < Runs::last(run, state) && alive(batch, patch); ++f) {
       if (boxes[patch].overlaps(state.face_box[f]) && meets_face(state, batch, patch, f))
         std::atomic_ref(batch.verdict[patch]).store(Verdict::hits_cage, std::memory_order_relaxed);
     }
@@ -97,12 +174,12 @@ void reject_hits_on_cage(const CageState& state, const TreeDevice& device, Patch
 }
 
 void reject_conflicts(const CageState& state, const TreeDevice& device, PatchBatch& batch) {
-  const std::vector<Box> boxes = patch_boxes(batch);
+  const auto boxes = patch_boxes(state, batch, [&](std::size_t i) { return batch.alive(i); });
   BoxTree patches(device);
   patches.build(boxes, TreeQuality::fast_build);
   tbb::enumerable_thread_specific<std::vector<PatchPair>> found;
   self_join(patches, [&](std::uint32_t p, std::uint32_t q) {
-    if (patches_meet(state, batch, p, q)) found.local().emplace_back(q, p);
+    if (!proved_apart(batch, p, q) && patches_meet(state, batch, p, q)) found.local().emplace_back(q, p);
   });
   std::vector<PatchPair> pairs;
   for (const auto& list : found) pairs.insert(pairs.end(), list.begin(), list.end());

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/adjacency.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -40,14 +41,16 @@ struct NearestQuery {
   DistanceBand::Near best;
 };
 
-// Embree calls this for faces whose box may be within the radius, which shrinks as better faces turn up. The radius is
-// kept a little too large, so that faces at equal distance are all seen and the lowest wins.
+// A little too large, so that faces at equal distance are all seen and the lowest wins.
+float search_radius(double distance, double scale) { return static_cast<float>(distance * scale) * 1.00001f + 1e-6f; }
+
+// Embree calls this for faces whose box may be within the radius, which shrinks as better faces turn up.
 bool visit_face(RTCPointQueryFunctionArguments* args) {
   auto& query = *static_cast<NearestQuery*>(args->userPtr);
   const double d = query.band->distance_to_face(query.x, args->primID);
   if (d > query.best.distance || (d == query.best.distance && args->primID > query.best.face)) return false;
   query.best = {args->primID, d};
-  args->query->radius = static_cast<float>(d * query.scale) * 1.00001f + 1e-6f;
+  args->query->radius = search_radius(d, query.scale);
   return true;
 }
 
@@ -65,6 +68,7 @@ struct ThreadMemo {
   Accessor tree;
   std::vector<Found> recent;  // direct-mapped by voxel
   std::vector<Found> found;   // not in the tree yet
+  std::uint32_t last = none;  // the face found last: the next question is about a place near by
 };
 
 }  // namespace
@@ -105,7 +109,9 @@ double DistanceBand::distance_to_face(const Vec3& x, std::uint32_t face) const {
   return std::sqrt(distance_from(face).squared(x));
 }
 
-DistanceBand::Near DistanceBand::nearest(const Vec3& x) const {
+DistanceBand::Near DistanceBand::nearest(const Vec3& x) const { return nearest(x, none); }
+
+DistanceBand::Near DistanceBand::nearest(const Vec3& x, std::uint32_t hint) const {
   const Vec3 y = (x - frame_.centre) * frame_.scale;
   RTCPointQuery query;
   query.x = static_cast<float>(y.x());
@@ -115,7 +121,11 @@ DistanceBand::Near DistanceBand::nearest(const Vec3& x) const {
   query.radius = std::numeric_limits<float>::infinity();
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  NearestQuery state{this, x, frame_.scale, {0xffffffffu, std::numeric_limits<double>::infinity()}};
+  NearestQuery state{this, x, frame_.scale, {none, std::numeric_limits<double>::infinity()}};
+  if (hint != none) {
+    state.best = {hint, distance_to_face(x, hint)};
+    query.radius = search_radius(state.best.distance, frame_.scale);
+  }
   rtcPointQuery(tree_->scene(), &query, &context, visit_face, &state);
   return state.best;
 }
@@ -135,7 +145,8 @@ std::uint32_t DistanceBand::near_face(const Vec3& x) {
     std::int32_t face = memo.tree.getValue(voxel);
     if (face < 0) {
       const Vec3 centre = (Vec3(voxel.x(), voxel.y(), voxel.z()) + Vec3::Constant(0.5)) * voxel_size_ + frame_.centre;
-      face = static_cast<std::int32_t>(nearest(centre).face);
+      face = static_cast<std::int32_t>(nearest(centre, memo.last).face);
+      memo.last = static_cast<std::uint32_t>(face);
       if (memo.found.size() < most_found) memo.found.push_back({voxel, face});
     }
     recent = {voxel, face};
@@ -143,7 +154,7 @@ std::uint32_t DistanceBand::near_face(const Vec3& x) {
   return static_cast<std::uint32_t>(recent.face);
 }
 
-bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double tau) {
+bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double tau, bool in_parts) {
   // Depth first; each division replaces a piece by its halves across the longest edge, so the stack stays short.
   std::array<std::array<Vec3, 3>, 64> stack;
   std::size_t top = 0;
@@ -156,7 +167,7 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
     const auto& [p, q, r] = piece;
     const std::array<double, 3> length{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
     const auto i = static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());
-    if (pieces == 0 || length[i] <= widest) {
+    if (pieces == 0 ? !in_parts : length[i] <= widest) {
       const Proof proof = prove(piece, tau);
       if (proof == Proof::refuted) return false;
       if (proof == Proof::proved) continue;

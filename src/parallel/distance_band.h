@@ -32,14 +32,16 @@ class DistanceBand {
 
   // A face near x by the memo: an upper bound of the distance, at most voxel diagonal too large. Thread-safe.
   Near near(const Vec3& x);
+  std::uint32_t near_face(const Vec3& x);
   // The nearest face, lowest number among equals. Thread-safe.
   Near nearest(const Vec3& x) const;
   double distance_to_face(const Vec3& x, std::uint32_t face) const;
   TriangleDistance distance_from(std::uint32_t face) const;
 
   // Is every point of triangle abc proved to be within `tau` of the input? The distance to one face is convex, so a
-  // piece whose corners are within tau of one common face is proved; other pieces are divided. Thread-safe.
-  bool within(const Vec3& a, const Vec3& b, const Vec3& c, double tau);
+  // piece whose corners are within tau of one common face is proved; other pieces are divided. `in_parts` says that
+  // the face near the centroid has been tried and leaves the answer open. Thread-safe.
+  bool within(const Vec3& a, const Vec3& b, const Vec3& c, double tau, bool in_parts = false);
 
   // Voxel edge length for the queries to come; forgets what was remembered at another one. Not thread-safe.
   void set_voxel_size(double size);
@@ -52,7 +54,7 @@ class DistanceBand {
   struct Memo;  // keeps OpenVDB out of this header
   enum class Proof { proved, open, refuted };
 
-  std::uint32_t near_face(const Vec3& x);
+  Near nearest(const Vec3& x, std::uint32_t hint) const;  // the hint, a face or none, only saves time
   Proof prove(const std::array<Vec3, 3>& piece, double tau);
 
   std::span<const Position> positions_;

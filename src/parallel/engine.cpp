@@ -74,7 +74,7 @@ class Engine {
       // An ulp below, so that rounding in distances cannot carry a proved point beyond tau_k.
       settings_.band.tau = cycle.tau * (1 - 1e-12);
       context_.band->set_voxel_size(cycle.tau / voxels_per_tau);
-      std::fill(state_.dirty.begin(), state_.dirty.end(), Dirt::moved);
+      forget_costs(state_);
       report(Control::Stage::collapse, 0);
       while (!cancelled() && !budget_reached() && run_round(cycle)) {
         ++cycle.rounds;

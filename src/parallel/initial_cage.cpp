@@ -117,10 +117,10 @@ std::vector<std::uint8_t> blocked_vertices(const Displacer& displacer, const std
     const auto [from, to] = displacer.way_out(v, step[v]);
     boxes[v] = bounding_box(input.frame(), {from.data(), to.data()});
   });
-  BoxTree ways(device);
-  ways.build(boxes, TreeQuality::fast_build);
+  BoxRuns ways(device);
+  ways.build(boxes);
   std::vector<std::uint8_t> blocked(step.size(), 0);
-  join(ways, input.tree(), [&](std::uint32_t v, std::uint32_t f) {
+  join(ways, input.runs(), [&](std::uint32_t v, std::uint32_t f) {
     const Triangle& t = input.triangles()[f];
     if (std::find(t.begin(), t.end(), displacer.vertex_of_surface(v)) != t.end()) return;
     const auto [from, to] = displacer.way_out(v, step[v]);
@@ -168,8 +168,9 @@ std::vector<std::uint8_t> faces_with_area(const CornerTable& mesh) {
 
 Conflicts find_conflicts(const CornerTable& mesh, const SurfaceTree& input, const TreeDevice& device) {
   SurfaceTree cage(device);
-  cage.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, faces_with_area(mesh));
-  return {self_intersections(cage), contacts(cage, input)};
+  cage.build(input.frame(), mesh.position, triangles_of(mesh), std::nullopt, faces_with_area(mesh));
+  const auto embedded = embedded_stars(mesh.position, triangles_of(mesh), mesh.twin);
+  return {self_intersections(cage, no_limit, embedded), contacts(cage, input)};
 }
 
 // The same for the faces at `vertices` only.
@@ -179,9 +180,9 @@ Conflicts find_conflicts_at(const std::vector<std::uint32_t>& vertices, const Co
   std::vector<std::uint8_t> some(mesh.face_slots(), 0);
   for (const std::uint32_t v : vertices) for_each_outgoing(mesh, v, [&](std::uint32_t h) { some[h / 3] = all[h / 3]; });
   SurfaceTree cage(device);
-  cage.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, all);
+  cage.build(input.frame(), mesh.position, triangles_of(mesh), std::nullopt, all);
   SurfaceTree part(device);
-  part.build(input.frame(), mesh.position, triangles_of(mesh), TreeQuality::fast_build, some);
+  part.build(input.frame(), mesh.position, triangles_of(mesh), std::nullopt, some);
   return {self_intersections(cage, part, some), contacts(part, input)};
 }
 
@@ -226,14 +227,15 @@ void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
   state.face_distance.resize(faces);
   state.face_near.resize(faces);
   state.face_box.resize(faces);
-  state.edge_cost.assign(3 * faces, std::numeric_limits<float>::infinity());
-  state.dirty.assign(mesh.vertex_slots(), Dirt::moved);
+  state.face_normal.resize(faces);
+  forget_costs(state);
   parallel_each(faces, default_grain, [&](std::size_t f) {
     const Triangle& t = triangles_of(mesh)[f];
     const Vec3 centroid = (mesh.vec_at(t[0]) + mesh.vec_at(t[1]) + mesh.vec_at(t[2])) / 3;
     state.face_near[f] = face_beside(mesh, static_cast<std::uint32_t>(f), surface.triangles.size());
     state.face_distance[f] = round_distance_up(distance_to_face(surface, state.face_near[f], centroid));
     state.face_box[f] = bounding_box(frame, {mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])});
+    state.face_normal[f] = reliable_normal(mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2]));
   });
   state.vertex_distance.resize(mesh.vertex_slots());
   parallel_each(mesh.vertex_slots(), default_grain, [&](std::size_t v) {

@@ -6,7 +6,9 @@
 #include <atomic>
 #include <new>
 
+#include "core/adjacency.h"
 #include "core/predicates.h"
+#include "core/star.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -58,6 +60,12 @@ class PairCollector {
   std::atomic<bool> out_of_memory_{false};
 };
 
+// Do the two faces have a vertex of the set in common?
+bool share_one_of(std::span<const std::uint8_t> set, const Triangle& s, const Triangle& t) {
+  return std::any_of(s.begin(), s.end(),
+                     [&](std::uint32_t v) { return (v == t[0] || v == t[1] || v == t[2]) && set[v] != 0; });
+}
+
 bool touch(const SurfaceTree& a, std::uint32_t i, const SurfaceTree& b, std::uint32_t j) {
   const double* const s[3] = {a.corner(i, 0), a.corner(i, 1), a.corner(i, 2)};
   const double* const t[3] = {b.corner(j, 0), b.corner(j, 1), b.corner(j, 2)};
@@ -67,7 +75,8 @@ bool touch(const SurfaceTree& a, std::uint32_t i, const SurfaceTree& b, std::uin
 }  // namespace
 
 void SurfaceTree::build(const UnitFrame& frame, std::span<const Position> positions,
-                        std::span<const Triangle> triangles, TreeQuality quality, std::span<const std::uint8_t> keep) {
+                        std::span<const Triangle> triangles, std::optional<TreeQuality> quality,
+                        std::span<const std::uint8_t> keep) {
   frame_ = frame;
   positions_ = positions;
   triangles_ = triangles;
@@ -77,12 +86,36 @@ void SurfaceTree::build(const UnitFrame& frame, std::span<const Position> positi
     const bool kept = keep.empty() || keep[f] != 0;
     boxes_[f] = kept ? bounding_box(frame, {corner(face, 0), corner(face, 1), corner(face, 2)}) : Box{};
   });
-  tree_.build(boxes_, quality);
+  runs_.build(boxes_);
+  if (quality) tree_.build(boxes_, *quality);
 }
 
-FacePairs self_intersections(const SurfaceTree& surface, std::size_t limit) {
+std::vector<std::uint8_t> embedded_stars(std::span<const Position> positions, std::span<const Triangle> triangles,
+                                         std::span<const std::uint32_t> twin) {
+  std::vector<std::uint32_t> outgoing(positions.size(), none);
+  for (std::uint32_t h = 0; h < twin.size(); ++h) outgoing[triangles[h / 3][h % 3]] = h;
+  std::vector<std::uint8_t> embedded(positions.size(), 0);
+  parallel_chunks(positions.size(), default_grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<const double*> link;
+    for (std::size_t v = begin; v < end; ++v) {
+      if (outgoing[v] == none) continue;
+      link.clear();
+      std::uint32_t h = outgoing[v];
+      do {
+        const std::uint32_t next = next_halfedge(h);
+        link.push_back(positions[triangles[next / 3][next % 3]].data());
+        h = twin[previous_halfedge(h)];
+      } while (h != outgoing[v]);
+      embedded[v] = star_certainly_embedded(positions[v].data(), link.data(), link.size()) ? 1 : 0;
+    }
+  });
+  return embedded;
+}
+
+FacePairs self_intersections(const SurfaceTree& surface, std::size_t limit, std::span<const std::uint8_t> embedded) {
   PairCollector found(limit);
-  self_join(surface.tree(), [&](std::uint32_t i, std::uint32_t j) {
+  self_join(surface.runs(), [&](std::uint32_t i, std::uint32_t j) {
+    if (!embedded.empty() && share_one_of(embedded, surface.triangles()[i], surface.triangles()[j])) return;
     if (improper_contact(surface.triangle(i), surface.triangle(j))) found.add(i, j);
   });
   return found.result();
@@ -91,7 +124,7 @@ FacePairs self_intersections(const SurfaceTree& surface, std::size_t limit) {
 FacePairs self_intersections(const SurfaceTree& surface, const SurfaceTree& changed,
                              std::span<const std::uint8_t> is_changed, std::size_t limit) {
   PairCollector found(limit);
-  join(changed.tree(), surface.tree(), [&](std::uint32_t i, std::uint32_t j) {
+  join(changed.runs(), surface.runs(), [&](std::uint32_t i, std::uint32_t j) {
     if (i == j || (is_changed[j] != 0 && i > j)) return;  // pairs of two changed faces come twice
     if (improper_contact(surface.triangle(i), surface.triangle(j))) found.add(std::min(i, j), std::max(i, j));
   });
@@ -100,7 +133,7 @@ FacePairs self_intersections(const SurfaceTree& surface, const SurfaceTree& chan
 
 FacePairs contacts(const SurfaceTree& a, const SurfaceTree& b, std::size_t limit) {
   PairCollector found(limit);
-  join(a.tree(), b.tree(), [&](std::uint32_t i, std::uint32_t j) {
+  join(a.runs(), b.runs(), [&](std::uint32_t i, std::uint32_t j) {
     if (touch(a, i, b, j)) found.add(i, j);
   });
   return found.result();

@@ -1,35 +1,37 @@
 // All places where surfaces touch that they must not: improper contacts inside one surface, and contacts between two.
-// Embree's trees of boxes find the candidates, floating point answers nearly all of them, exact predicates the rest.
+// Boxes find the candidates, floating point answers nearly all of them, exact predicates the rest.
 // Everything here must be called inside an Arena; results do not depend on the number of threads.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/triangle_pair.h"
 #include "core/vec3.h"
-#include "parallel/box_tree.h"
+#include "parallel/box_runs.h"
 
 namespace prcage {
 
-// The faces of a surface in a tree of boxes. Borrows the arrays: they must stay where they are, unchanged, while the
-// tree is used. Surfaces that are compared with each other must be built in the same frame.
+// The faces of a surface, ready to be joined with others. Borrows the arrays: they must stay where they are, unchanged,
+// while the tree is used. Surfaces that are compared with each other must be built in the same frame.
 class SurfaceTree {
  public:
-  explicit SurfaceTree(const TreeDevice& device) : tree_(device) {}
+  explicit SurfaceTree(const TreeDevice& device) : runs_(device), tree_(device) {}
 
   // `keep` selects faces: those with keep[f] == 0 are left out. Empty means all. Vertex indices must be in range and
-  // coordinates finite.
+  // coordinates finite. Joins need no tree over all faces; there is one only if its quality is given.
   void build(const UnitFrame& frame, std::span<const Position> positions, std::span<const Triangle> triangles,
-             TreeQuality quality, std::span<const std::uint8_t> keep = {});
+             std::optional<TreeQuality> quality, std::span<const std::uint8_t> keep = {});
 
   const UnitFrame& frame() const { return frame_; }
   std::span<const Position> positions() const { return positions_; }
   std::span<const Triangle> triangles() const { return triangles_; }
-  const BoxTree& tree() const { return tree_; }
+  const BoxRuns& runs() const { return runs_; }
+  const BoxTree& tree() const { return tree_; }  // for point queries
 
   const double* corner(std::uint32_t face, std::size_t i) const { return positions_[triangles_[face][i]].data(); }
   TriangleRef triangle(std::uint32_t face) const {
@@ -42,6 +44,7 @@ class SurfaceTree {
   std::span<const Position> positions_;
   std::span<const Triangle> triangles_;
   std::vector<Box> boxes_;
+  BoxRuns runs_;
   BoxTree tree_;
 };
 
@@ -52,8 +55,15 @@ struct FacePairs {
   std::vector<std::array<std::uint32_t, 2>> pairs;  // ascending; the lowest ones if there are more than the limit
 };
 
-// Pairs i < j of faces of the surface in improper_contact(). Degenerate faces must have been left out.
-FacePairs self_intersections(const SurfaceTree& surface, std::size_t limit = no_limit);
+// Per vertex of a closed oriented manifold: is no pair of its faces in improper contact for certain (core/star.h)?
+// twin[h] is the opposite of halfedge h.
+std::vector<std::uint8_t> embedded_stars(std::span<const Position> positions, std::span<const Triangle> triangles,
+                                         std::span<const std::uint32_t> twin);
+
+// Pairs i < j of faces of the surface in improper_contact(). Degenerate faces must have been left out. `embedded` may
+// be what embedded_stars() found: it changes no result, but spares the tests of most pairs, which are of neighbours.
+FacePairs self_intersections(const SurfaceTree& surface, std::size_t limit = no_limit,
+                             std::span<const std::uint8_t> embedded = {});
 
 // The same for the pairs of which at least one face is in `changed`, a tree over a selection of the same surface's
 // faces.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/predicates.h"
+#include "core/projection.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -28,6 +29,8 @@ PatchBatch empty_patches(const std::vector<Candidate>& selected) {
   batch.moved.assign(selected.size(), none);
   batch.point.resize(selected.size());
   batch.verdict.assign(selected.size(), Verdict::accepted);
+  batch.unproved.assign(selected.size(), 1);
+  batch.direction.assign(selected.size(), Vec3::Zero());
   batch.moved_distance.assign(selected.size(), std::numeric_limits<float>::infinity());
   return batch;
 }
@@ -39,6 +42,7 @@ void allocate_faces(PatchBatch& batch) {
   batch.triangle.resize(triangles);
   batch.patch_of.resize(triangles);
   batch.box.resize(triangles);
+  batch.normal.resize(triangles);
   batch.near.resize(triangles);
 }
 
@@ -79,6 +83,8 @@ void list_flip(const CornerTable& mesh, PatchBatch& batch, std::size_t i) {
   batch.patch_of[n] = batch.patch_of[n + 1] = static_cast<std::uint32_t>(i);
 }
 
+Vec3 corner(const TriangleRef& t, int i) { return {t.p[i][0], t.p[i][1], t.p[i][2]}; }
+
 // Sign test of the swept tetrahedra: none is negative.
 bool sweeps_outward(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
   const auto faces = batch.removed_faces(i);
@@ -93,6 +99,32 @@ bool sweeps_outward(const CornerTable& mesh, const PatchBatch& batch, std::size_
   });
 }
 
+// The mean normal of the new faces, if these and the removed ones face it and the new ones wind round the moved vertex
+// once; else zero.
+Vec3 common_direction(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+  Vec3 n = Vec3::Zero();
+  for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
+    const TriangleRef p = patch_triangle(mesh, batch, t);
+    n += (corner(p, 1) - corner(p, 0)).cross(corner(p, 2) - corner(p, 0));
+  }
+  const double length = n.norm();
+  if (!(length > 0)) return Vec3::Zero();
+  n /= length;
+  Winds winds(n, batch.point[i].data());
+  for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
+    const TriangleRef p = patch_triangle(mesh, batch, t);
+    if (!certainly_faces(n, p.p[0], p.p[1], p.p[2])) return Vec3::Zero();
+    for (int k = 0; k < 3; ++k)
+      if (p.v[k] == batch.moved[i]) winds.add(p.p[(k + 1) % 3], p.p[(k + 2) % 3]);
+  }
+  if (batch.moved[i] != none && !winds.certainly_once()) return Vec3::Zero();
+  for (const std::uint32_t f : batch.removed_faces(i)) {
+    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
+    if (!certainly_faces(n, mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]))) return Vec3::Zero();
+  }
+  return n;
+}
+
 bool proper_patch(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
   const std::size_t first = batch.first_face[i];
   const std::size_t last = batch.first_face[i + 1];
@@ -105,29 +137,13 @@ bool proper_patch(const CornerTable& mesh, const PatchBatch& batch, std::size_t 
   return true;
 }
 
-Vec3 corner(const TriangleRef& t, int i) { return {t.p[i][0], t.p[i][1], t.p[i][2]}; }
-
-// The input face nearest to x among those known for faces that the patch removes, the given ones first. Stops at one
-// that is near enough.
-DistanceBand::Near near_by_star(const CageState& state, const DistanceBand& band,
-                                std::span<const std::uint32_t> removed, std::initializer_list<std::size_t> order,
-                                const Vec3& x, double enough) {
-  DistanceBand::Near best{none, std::numeric_limits<double>::infinity()};
-  std::uint32_t last = none;
-  for (const std::size_t i : order) {
-    if (i >= removed.size()) continue;
-    const std::uint32_t face = state.face_near[removed[i]];
-    if (face == last || face == best.face) continue;
-    last = face;
-    if (const double d = band.distance_to_face(x, face); d < best.distance) best = {face, d};
-    if (best.distance <= enough) break;
-  }
-  return best;
-}
-
-DistanceBand::Near nearer(const DistanceBand::Near& known, DistanceBand& band, const Vec3& x, double enough) {
-  if (known.distance <= enough) return known;
-  const DistanceBand::Near found = band.near(x);
+// An input face near x: the given one if it is near enough, else the nearer of it and the band's.
+DistanceBand::Near near_with_hint(DistanceBand& band, const Vec3& x, std::uint32_t hint, double tau) {
+  const DistanceBand::Near known{hint, band.distance_to_face(x, hint)};
+  if (known.distance <= near_enough * tau) return known;
+  const std::uint32_t face = band.near_face(x);
+  if (face == hint) return known;
+  const DistanceBand::Near found{face, band.distance_to_face(x, face)};
   return found.distance < known.distance ? found : known;
 }
 
@@ -159,25 +175,17 @@ bool measure_face(const CageState& state, DistanceBand& band, double tau, TauMod
     const std::uint32_t v = batch.triangle[t][i];
     known[i] = v == batch.moved[patch] ? batch.moved_distance[patch] : state.vertex_distance[v];
   }
-  const double enough = near_enough * tau;
-  const auto removed = batch.removed_faces(patch);
-  const auto own = static_cast<std::size_t>(std::find(removed.begin(), removed.end(), batch.face[t]) - removed.begin());
-  DistanceBand::Near& near = batch.near[t];
-  near = near_by_star(state, band, removed, {own, own - 1, own + 1, 0, 1}, centroid, enough);
-  if (mode == TauMode::strict && !within_by_corners(corners, *std::max_element(known.begin(), known.end()), tau) &&
-      !beside_face(band.distance_from(near.face), corners, tau) &&
-      !band.within(corners[0], corners[1], corners[2], tau))
-    return false;
-  near = nearer(near, band, centroid, enough);
-  return true;
+  const DistanceBand::Near near = near_with_hint(band, centroid, state.face_near[batch.face[t]], tau);
+  batch.near[t] = near;
+  return mode == TauMode::paper || within_by_corners(corners, *std::max_element(known.begin(), known.end()), tau) ||
+         beside_face(band.distance_from(near.face), corners, tau) ||
+         band.within(corners[0], corners[1], corners[2], tau, near.distance <= tau);
 }
 
 void measure_moved(const CageState& state, DistanceBand& band, double tau, PatchBatch& batch, std::size_t i) {
   if (batch.moved[i] == none) return;
-  const Vec3 p = vec(batch.point[i]);
-  const double enough = near_enough * tau;
-  const auto near = near_by_star(state, band, batch.removed_faces(i), {0, 1, 2, 3}, p, enough);
-  batch.moved_distance[i] = round_distance_up(nearer(near, band, p, enough).distance);
+  const std::uint32_t hint = state.face_near[batch.removed_faces(i)[0]];
+  batch.moved_distance[i] = round_distance_up(near_with_hint(band, vec(batch.point[i]), hint, tau).distance);
 }
 
 }  // namespace
@@ -193,10 +201,11 @@ TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std
   return {{at(v[0]), at(v[1]), at(v[2])}, {v[0], v[1], v[2]}};
 }
 
-void set_boxes(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch) {
+void set_bounds(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch) {
   parallel_each(batch.triangle.size(), default_grain, [&](std::size_t t) {
     const TriangleRef triangle = patch_triangle(mesh, batch, t);
     batch.box[t] = bounding_box(frame, {triangle.p[0], triangle.p[1], triangle.p[2]});
+    batch.normal[t] = reliable_normal(triangle.p[0], triangle.p[1], triangle.p[2]);
   });
 }
 
@@ -215,7 +224,7 @@ PatchBatch build_collapses(const CageState& state, const UnitFrame& frame, const
   batch.first_face = offsets(selected.size(), [&](std::size_t i) { return star_size[i] - 2; });
   allocate_faces(batch);
   parallel_each(selected.size(), patch_grain, [&](std::size_t i) { list_collapse(mesh, batch, i); });
-  set_boxes(mesh, frame, batch);
+  set_bounds(mesh, frame, batch);
   return batch;
 }
 
@@ -225,15 +234,16 @@ PatchBatch build_flips(const CageState& state, const UnitFrame& frame, const std
   batch.first_face = batch.first_removed;
   allocate_faces(batch);
   parallel_each(selected.size(), default_grain, [&](std::size_t i) { list_flip(state.mesh, batch, i); });
-  set_boxes(state.mesh, frame, batch);
+  set_bounds(state.mesh, frame, batch);
   return batch;
 }
 
 void test_patches_locally(const CageState& state, PatchBatch& batch) {
   parallel_each(batch.size(), patch_grain, [&](std::size_t i) {
+    batch.direction[i] = common_direction(state.mesh, batch, i);
     if (!sweeps_outward(state.mesh, batch, i))
       batch.verdict[i] = Verdict::sweeps_inward;
-    else if (!proper_patch(state.mesh, batch, i))
+    else if (batch.direction[i].isZero(0) && !proper_patch(state.mesh, batch, i))
       batch.verdict[i] = Verdict::degenerate;
   });
 }

@@ -38,8 +38,12 @@ struct PatchBatch {
   std::vector<Triangle> triangle;
   std::vector<std::uint32_t> patch_of;   // of each triangle
   std::vector<Box> box;                  // of each triangle
+  std::vector<Normal> normal;            // of each triangle
   std::vector<DistanceBand::Near> near;  // of each triangle's centroid
   std::vector<float> moved_distance;     // of each patch: upper bound of the distance of `point` to M
+  std::vector<Vec3> direction;           // of each patch: unit vector that its faces and those it removes face, or zero
+                                         // (condition 1 in core/projection.h)
+  std::vector<std::uint8_t> unproved;    // of each patch: the projection does not prove it free of contacts
 
   std::size_t size() const { return candidate.size(); }
   std::span<const std::uint32_t> removed_faces(std::size_t i) const {
@@ -48,6 +52,9 @@ struct PatchBatch {
   std::span<const Box> boxes(std::size_t i) const {
     return std::span(box).subspan(first_face[i], first_face[i + 1] - first_face[i]);
   }
+  std::span<const Normal> normals(std::size_t i) const {
+    return std::span(normal).subspan(first_face[i], first_face[i + 1] - first_face[i]);
+  }
   bool alive(std::size_t i) const { return verdict[i] == Verdict::accepted; }
   std::size_t count(Verdict v) const;
 };
@@ -55,8 +62,8 @@ struct PatchBatch {
 // Triangle t of the batch with the positions that it would have.
 TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std::size_t t);
 
-// The boxes of the triangles for the present positions.
-void set_boxes(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch);
+// The boxes and normals of the triangles for the present positions.
+void set_bounds(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch);
 
 // Patches of the collapses of independent edges.
 PatchBatch build_collapses(const CageState& state, const UnitFrame& frame, const PlacedCollapses& placed);
@@ -65,7 +72,7 @@ PatchBatch build_collapses(const CageState& state, const UnitFrame& frame, const
 PatchBatch build_flips(const CageState& state, const UnitFrame& frame, const std::vector<Candidate>& selected);
 
 // Exact: p of each collapse is on the outer side of, or on, every face of its star; a flip adds volume outside; no
-// new face is degenerate; no patch meets itself.
+// new face is degenerate; no patch meets itself. Sets `direction` where there is one.
 void test_patches_locally(const CageState& state, PatchBatch& batch);
 
 // Finds an input face near each new centroid. In strict mode rejects patches that are not proved to lie within tau.

@@ -1,5 +1,7 @@
 #include "parallel/validate.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -159,8 +161,11 @@ void Validator::check_connectivity() {
   const std::size_t vertex_count = surface_.mesh.positions.size();
   const EdgeGroups edges = group_edges(triangles, vertex_count);
   EdgeDefects defects;
-  twin_ = pair_halfedges(triangles, edges, defects);
-  out_.valid.components = face_components(triangles.size(), edges);
+  std::vector<std::uint32_t> split_vertices;
+  tbb::parallel_invoke([&] { twin_ = pair_halfedges(triangles, edges, defects); },
+                       [&] { out_.valid.components = face_components(triangles.size(), edges); },
+                       [&] { split_vertices = non_manifold_vertices(triangles, vertex_count, edges); },
+                       [&] { duplicates_ = duplicate_faces(triangles, edges); });
   out_.validation.components = out_.valid.components.count();
   out_.validation.euler_characteristic = static_cast<long long>(vertex_count) - static_cast<long long>(edges.size()) +
                                          static_cast<long long>(triangles.size());
@@ -169,9 +174,7 @@ void Validator::check_connectivity() {
   report_all(DefectKind::boundary_edge, defects.boundary, edge);
   report_all(DefectKind::non_manifold_edge, defects.non_manifold, edge);
   report_all(DefectKind::inconsistent_edge, defects.inconsistent, edge);
-  report_all(DefectKind::non_manifold_vertex, non_manifold_vertices(triangles, vertex_count, edges),
-             [&](std::uint32_t v) { return vertex_example(v); });
-  duplicates_ = duplicate_faces(triangles, edges);
+  report_all(DefectKind::non_manifold_vertex, split_vertices, [&](std::uint32_t v) { return vertex_example(v); });
   report_all(DefectKind::duplicate_face, duplicates_,
              [&](const std::array<std::uint32_t, 2>& faces) { return pair_example(faces); });
 }
@@ -207,12 +210,15 @@ bool Validator::is_closed_manifold() const {
 }
 
 void Validator::check_geometry() {
-  const Measures measures = measure(surface_.mesh.positions, surface_.mesh.triangles);
+  const auto& positions = surface_.mesh.positions;
+  const auto& triangles = surface_.mesh.triangles;
+  Measures measures;
+  std::vector<std::uint32_t> degenerate;
+  tbb::parallel_invoke([&] { measures = measure(positions, triangles); },
+                       [&] { out_.validation.duplicate_vertices = count_duplicate_positions(positions); },
+                       [&] { degenerate = degenerate_faces(positions, triangles); });
   out_.validation.area = measures.area;
   out_.validation.volume = measures.volume;
-  out_.validation.duplicate_vertices = count_duplicate_positions(surface_.mesh.positions);
-
-  auto degenerate = degenerate_faces(surface_.mesh.positions, surface_.mesh.triangles);
   out_.validation.degenerate_faces = degenerate.size();
   const bool closed_manifold = is_closed_manifold();
   if (closed_manifold && !degenerate.empty()) {
@@ -230,7 +236,10 @@ std::vector<std::uint32_t> Validator::repair(std::vector<std::uint32_t> degenera
   for (std::uint32_t& v : repaired.surface.vertex_of) v = surface_.vertex_of[v];
   surface_ = std::move(repaired.surface);
   const auto& triangles = surface_.mesh.triangles;
-  out_.valid.components = face_components(triangles.size(), group_edges(triangles, surface_.mesh.positions.size()));
+  const EdgeGroups edges = group_edges(triangles, surface_.mesh.positions.size());
+  EdgeDefects defects;
+  twin_ = pair_halfedges(triangles, edges, defects);
+  out_.valid.components = face_components(triangles.size(), edges);
   return std::move(repaired.degenerate);
 }
 
@@ -244,7 +253,9 @@ bool Validator::check_self_intersections(const std::vector<std::uint32_t>& degen
   for (const auto& pair : duplicates_) keep[pair[1]] = 0;
 
   out_.valid.tree.build(unit_frame(positions), positions, triangles, TreeQuality::fast_query, keep);
-  const FacePairs found = self_intersections(out_.valid.tree, max_examples);
+  std::vector<std::uint8_t> embedded;
+  if (is_closed_manifold()) embedded = embedded_stars(positions, triangles, twin_);
+  const FacePairs found = self_intersections(out_.valid.tree, max_examples, embedded);
   if (found.count == 0) return false;
   std::vector<DefectExample> examples;
   for (const auto& pair : found.pairs) examples.push_back(pair_example(pair));

@@ -118,7 +118,7 @@ std::vector<Winding> winding_numbers(const TreeDevice& device, const SurfaceTree
     }
     BoxTree segments(device);
     segments.build(boxes, TreeQuality::fast_query);
-    join(segments, surface.tree(), [&](std::uint32_t k, std::uint32_t f) {
+    join(segments, surface.runs(), [&](std::uint32_t k, std::uint32_t f) {
       if (ignored.components != nullptr && ignored.components->of_face[f] == ignored.skip[open[k]]) return;
       tallies[k].add(meet(points[open[k]].data(), ends[k].data(), surface.corner(f, 0), surface.corner(f, 1),
                           surface.corner(f, 2)));
