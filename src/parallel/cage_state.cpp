@@ -1,12 +1,11 @@
 #include "parallel/cage_state.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 
+#include "parallel/morton.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -17,37 +16,6 @@ void keep(std::vector<T>& values, const std::vector<std::uint32_t>& kept) {
   std::vector<T> ordered(kept.size());
   parallel_each(kept.size(), default_grain, [&](std::size_t i) { ordered[i] = values[kept[i]]; });
   values = std::move(ordered);
-}
-
-// Bits of a 10-bit number, two apart.
-std::uint32_t spread(std::uint32_t x) {
-  x = (x | x << 16) & 0x030000ffu;
-  x = (x | x << 8) & 0x0300f00fu;
-  x = (x | x << 4) & 0x030c30c3u;
-  return (x | x << 2) & 0x09249249u;
-}
-
-// Place of a box's centre on the Morton curve through a grid of 1024^3 cells over the unit frame.
-std::uint32_t morton_code(const Box& box) {
-  std::uint32_t code = 0;
-  for (int k = 0; k < 3; ++k) {
-    const float x = 0.5f * (box.lower[k] + box.upper[k]) + 0.5f;
-    code |= spread(static_cast<std::uint32_t>(std::clamp(x * 1000.0f + 12.0f, 0.0f, 1023.0f))) << k;
-  }
-  return code;
-}
-
-std::vector<std::uint32_t> faces_along_curve(const CageState& state) {
-  auto order = parallel_gather<std::uint64_t>(
-      state.mesh.face_slots(), 1u << 14, [&](std::size_t begin, std::size_t end, auto& list) {
-        for (std::size_t f = begin; f < end; ++f)
-          if (state.mesh.face_alive(static_cast<std::uint32_t>(f)))
-            list.push_back(std::uint64_t{morton_code(state.face_box[f])} << 32 | f);
-      });
-  tbb::parallel_sort(order);
-  std::vector<std::uint32_t> faces(order.size());
-  parallel_each(order.size(), default_grain, [&](std::size_t i) { faces[i] = static_cast<std::uint32_t>(order[i]); });
-  return faces;
 }
 
 // In the order in which the faces use them.
@@ -106,7 +74,7 @@ void forget_costs(CageState& state) {
 
 void sort_along_curve(CageState& state) {
   Numbering order;
-  order.faces = faces_along_curve(state);
+  order.faces = along_curve(state.face_box);  // dead faces have empty boxes
   order.vertices = vertices_along(state.mesh, order.faces);
   reorder_costs(state, order.faces);
   renumber(state.mesh, order);

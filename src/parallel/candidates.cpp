@@ -157,7 +157,7 @@ std::vector<Candidate> select_independent_collapses(CageState& state, std::uint6
 
 PlacedCollapses place_collapses(CageState& state, const PlacementSettings& settings,
                                 const std::vector<Candidate>& selected) {
-  constexpr std::size_t chunk = 128;
+  constexpr std::size_t chunk = 16;
   tbb::enumerable_thread_specific<Scratch> scratch;
   std::vector<Position> point(selected.size());
   std::vector<std::uint8_t> confirmed(selected.size(), 0);

@@ -250,7 +250,8 @@ void test_patches_locally(const CageState& state, PatchBatch& batch) {
 
 void test_patches_against_band(const CageState& state, DistanceBand& band, double tau, TauMode mode,
                                PatchBatch& batch) {
-  parallel_each(batch.size(), patch_grain, [&](std::size_t i) {
+  // Few at a time: a large patch takes as long as thousands of small ones.
+  parallel_each(batch.size(), 2, [&](std::size_t i) {
     if (!batch.alive(i)) return;
     measure_moved(state, band, tau, batch, i);
     for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
