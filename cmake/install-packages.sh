@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs the Debian 12 packages that prcage needs. The only list of them: README and CI call this script.
 #   sh cmake/install-packages.sh         to build the library, the program and the tests
-#   sh cmake/install-packages.sh checks  in addition what only CI runs: formatter, linter, instrumented TBB
+#   sh cmake/install-packages.sh checks  in addition what only CI runs: formatter, linter, instrumented TBB, perf/
 # Does nothing, and needs neither root nor a network, if everything is there.
 set -eu
 
@@ -11,7 +11,8 @@ packages="g++ cmake ninja-build pkg-config
   libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libxxhash-dev libgtest-dev libgmock-dev"
 case "${1-}" in
   "") ;;
-  checks) packages="$packages clang-format clang-tidy dpkg-dev ccache" ;;
+  checks) packages="$packages clang-format clang-tidy dpkg-dev ccache
+    libbenchmark-dev libmeshoptimizer-dev valgrind python3" ;;
   *) echo "usage: $0 [checks]" >&2; exit 2 ;;
 esac
 

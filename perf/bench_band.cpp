@@ -27,7 +27,7 @@ struct Queries {
   // Empties the memo.
   void forget() {
     workload.band.set_voxel_size(1);
-    workload.band.set_voxel_size(workload.placement.band.tau / 4);
+    workload.band.set_voxel_size(workload.placement.band.tau / 2);
   }
 };
 

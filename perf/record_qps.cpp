@@ -49,6 +49,7 @@ void record(const Workload& workload, std::size_t sample, QpProblems& problems) 
   PlacementBatch batch;
   for (const std::uint32_t h : sampled_edges(workload.state.mesh, sample))
     gather_placement(workload.state.mesh, workload.state.face_distance, h, workload.placement, batch);
+  solve_placements(workload.placement, batch);
   for (std::size_t i = 0; i < batch.size(); ++i) add_problem(batch, i, workload.placement.regularization, problems);
 }
 

@@ -58,19 +58,19 @@ void Workload::simplify_to(std::size_t faces) {
 // As the engine begins a cycle.
 void Workload::enter_cycle(double cycle_tau) {
   placement.band.tau = cycle_tau * (1 - 1e-12);
-  band.set_voxel_size(cycle_tau / 4);
+  band.set_voxel_size(cycle_tau / 2);
   sort_along_curve(state);
   make_dirty();
 }
 
-void Workload::make_dirty() { std::fill(state.dirty.begin(), state.dirty.end(), Dirt::moved); }
+void Workload::make_dirty() { forget_costs(state); }
 
 Round begin_round(Workload& workload) {
   Counts counts;
   evaluate_dirty_edges(workload.state, workload.placement, counts);
   Round round;
   round.selected = select_independent_collapses(workload.state, 0);
-  round.placed = place_collapses(workload.state, workload.placement, round.selected, counts);
+  round.placed = place_collapses(workload.state, workload.placement, round.selected);
   round.batch = build_collapses(workload.state, workload.tree.frame(), round.placed);
   return round;
 }

@@ -1,49 +1,12 @@
 #include "core/corner_table.h"
 
-#include <algorithm>
-#include <array>
 #include <atomic>
 #include <cassert>
 
+#include "core/edge_star.h"
+
 namespace prcage {
 namespace {
-
-// Neighbours of a vertex, at most Capacity on the stack.
-class Neighbours {
- public:
-  Neighbours(const CornerTable& mesh, std::uint32_t v) {
-    for_each_outgoing(mesh, v, [&](std::uint32_t h) { push(mesh.target(h)); });
-  }
-
-  std::size_t size() const { return size_; }
-  const std::uint32_t* begin() const { return large_.empty() ? small_.data() : large_.data(); }
-  const std::uint32_t* end() const { return begin() + size_; }
-
- private:
-  void push(std::uint32_t v) {
-    if (size_ == small_.size()) large_.assign(small_.begin(), small_.end());
-    if (size_ < small_.size())
-      small_[size_] = v;
-    else
-      large_.push_back(v);
-    ++size_;
-  }
-
-  std::array<std::uint32_t, 32> small_;
-  std::vector<std::uint32_t> large_;
-  std::size_t size_ = 0;
-};
-
-std::size_t count_common(const Neighbours& a, const Neighbours& b) {
-  if (a.size() * b.size() <= 1024) {
-    return static_cast<std::size_t>(std::count_if(
-        a.begin(), a.end(), [&](std::uint32_t v) { return std::find(b.begin(), b.end(), v) != b.end(); }));
-  }
-  std::vector<std::uint32_t> sorted(b.begin(), b.end());
-  std::sort(sorted.begin(), sorted.end());
-  return static_cast<std::size_t>(std::count_if(
-      a.begin(), a.end(), [&](std::uint32_t v) { return std::binary_search(sorted.begin(), sorted.end(), v); }));
-}
 
 void pair_up(CornerTable& mesh, std::uint32_t g, std::uint32_t h) {
   mesh.twin[g] = h;
@@ -183,11 +146,9 @@ void renumber(CornerTable& mesh, const Numbering& order) {
 }
 
 bool link_condition(const CornerTable& mesh, std::uint32_t h) {
-  const Neighbours a(mesh, mesh.origin(h));
-  const Neighbours b(mesh, mesh.target(h));
-  if (a.size() + b.size() < 7) return false;
-  if (count_common(a, b) != 2) return false;
-  return mesh.valence(mesh.apex(h), 4) > 3 && mesh.valence(mesh.apex(mesh.twin[h]), 4) > 3;
+  EdgeStar star;
+  star.walk(mesh, h);
+  return star.link_condition();
 }
 
 }  // namespace prcage

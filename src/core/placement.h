@@ -1,5 +1,5 @@
-// Where a collapsed edge goes: the constrained quadric problem of an edge (paper eq. 1, 4, 5), gathered for many edges
-// into flat arrays, solved as a batch.
+// Where a collapsed edge goes: the constrained quadric problem of an edge (paper eq. 1, 4, 5). The stars of many edges
+// are gathered into flat arrays; their problems are made and solved as a batch.
 //
 // Each problem lives in a local frame with the edge's midpoint as origin and its length as unit, with unit normals, so
 // that one tolerance fits all scales.
@@ -10,7 +10,9 @@
 
 #include "core/band.h"
 #include "core/corner_table.h"
+#include "core/edge_star.h"
 #include "core/qp3_batch.h"
+#include "core/star_planes_problem.h"
 
 namespace prcage {
 
@@ -39,13 +41,18 @@ struct PlacementSettings {
 // Problems and solutions, one entry an edge. Reused between calls; grows to the largest batch.
 struct PlacementBatch {
   std::vector<std::uint32_t> halfedge;
-  std::vector<std::uint32_t> first_plane;  // planes of problem i: [first_plane[i], first_plane[i + 1])
+  std::vector<StarFrame> frame;
+
+  // The stars as they are gathered, see StarArrays. The first corner_count are in use.
+  std::vector<double> corner_x, corner_y, corner_z, lower, upper;
+  std::size_t corner_count = 0;
+
+  // The problems, which solve_placements() makes of them. Planes of problem i: [first_plane[i], first_plane[i + 1]).
+  std::vector<std::uint32_t> first_plane;
   std::vector<double> nx, ny, nz, offset;  // planes, local frame
   std::vector<Symmetric3> form;            // 1/2 x^T form x + linear . x + constant: squared distance, weighted
   std::vector<Vec3> linear;
   std::vector<double> constant;
-  std::vector<Vec3> origin;
-  std::vector<double> scale;
 
   std::vector<Symmetric3> scaled_form;  // as the solver wants them
   std::vector<Vec3> scaled_linear;
@@ -59,11 +66,14 @@ struct PlacementBatch {
   void clear();
 };
 
-// Appends the problem of one edge. face_distance[f] is an upper bound of d(c_f, M).
+// Appends the problem of an edge whose star has been walked. face_distance[f] is an upper bound of d(c_f, M).
+void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, const EdgeStar& star,
+                      const PlacementSettings& settings, PlacementBatch& batch);
+// The same for an edge by itself.
 void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, std::uint32_t halfedge,
                       const PlacementSettings& settings, PlacementBatch& batch);
 
-// Solves all problems of the batch.
+// Makes and solves all problems of the batch.
 void solve_placements(const PlacementSettings& settings, PlacementBatch& batch);
 
 }  // namespace prcage

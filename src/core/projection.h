@@ -1,7 +1,7 @@
 // A cheap proof that a patch cannot collide with anything near it: parallel projection.
 //
-// Let C be a closed embedded surface with outward normals, S a disc of its faces, S' another disc with the same rim, K a
-// convex set that contains both, and n a direction. If
+// Let C be a closed embedded surface with outward normals, S a disc of its faces, S' another disc with the same rim, K
+// a convex set that contains both, and n a direction. If
 //   1. all faces of S and of S' face n (their normals have a positive component along it), and S' winds once round its
 //      inner vertex, so that both project one to one onto the same polygon P, and
 //   2. every face of C that meets K faces n,

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/edge_star.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -37,25 +38,21 @@ std::uint32_t mix(std::uint32_t x) {
 }
 
 struct Scratch {
+  EdgeStar star;
   PlacementBatch batch;
   std::vector<std::size_t> index;
   Counts counts;
 };
 
-bool small_enough(const CornerTable& mesh, std::uint32_t h, std::uint32_t max_star) {
-  const std::uint32_t a = mesh.valence(mesh.origin(h), max_star);
-  return a < max_star && a + mesh.valence(mesh.target(h), max_star) <= max_star + 2;
-}
-
-// Adds the problem of an edge to the batch, unless its topology rules a collapse out.
-bool gather_if_legal(const CageState& state, const PlacementSettings& settings, std::uint32_t h, PlacementBatch& batch,
-                     Counts& counts) {
-  if (!small_enough(state.mesh, h, settings.max_star)) return false;
-  if (!link_condition(state.mesh, h)) {
-    ++counts.rejected_link;
+// Adds the problem of an edge to the batch, unless its star is too large or its topology rules a collapse out.
+bool gather_if_legal(const CageState& state, const PlacementSettings& settings, std::uint32_t h, Scratch& scratch) {
+  EdgeStar& star = scratch.star;
+  if (!star.walk(state.mesh, h, settings.max_star)) return false;
+  if (!star.link_condition()) {
+    ++scratch.counts.rejected_link;
     return false;
   }
-  gather_placement(state.mesh, state.face_distance, h, settings, batch);
+  gather_placement(state.mesh, state.face_distance, star, settings, scratch.batch);
   return true;
 }
 
@@ -76,7 +73,7 @@ void evaluate_range(CageState& state, const PlacementSettings& settings, std::si
     if (dirt == Dirt::clean || (dirt == Dirt::rim && state.edge_cost[h] < no_cost)) continue;
     set_cost(state, h, no_cost);
     ++scratch.counts.evaluated;
-    gather_if_legal(state, settings, h, batch, scratch.counts);
+    gather_if_legal(state, settings, h, scratch);
   }
   solve_placements(settings, batch);
   for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -169,7 +166,7 @@ PlacedCollapses place_collapses(CageState& state, const PlacementSettings& setti
     origin.clear();
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t h = selected[i].halfedge;
-      if (gather_if_legal(state, settings, h, batch, local.counts))
+      if (gather_if_legal(state, settings, h, local))
         origin.push_back(i);
       else
         set_cost(state, h, no_cost);

@@ -109,8 +109,6 @@ double DistanceBand::distance_to_face(const Vec3& x, std::uint32_t face) const {
   return std::sqrt(distance_from(face).squared(x));
 }
 
-DistanceBand::Near DistanceBand::nearest(const Vec3& x) const { return nearest(x, none); }
-
 DistanceBand::Near DistanceBand::nearest(const Vec3& x, std::uint32_t hint) const {
   const Vec3 y = (x - frame_.centre) * frame_.scale;
   RTCPointQuery query;
@@ -168,7 +166,7 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
     const std::array<double, 3> length{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
     const auto i = static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());
     if (pieces == 0 ? !in_parts : length[i] <= widest) {
-      const Proof proof = prove(piece, tau);
+      const Proof proof = prove(piece, std::sqrt(length[i]), tau);
       if (proof == Proof::refuted) return false;
       if (proof == Proof::proved) continue;
     }
@@ -183,17 +181,19 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
   return true;
 }
 
-DistanceBand::Proof DistanceBand::prove(const std::array<Vec3, 3>& piece, double tau) {
+DistanceBand::Proof DistanceBand::prove(const std::array<Vec3, 3>& piece, double longest, double tau) {
   const Vec3 centre = (piece[0] + piece[1] + piece[2]) / 3;
-  TriangleDistance face = distance_from(near_face(centre));
-  if (face.squared(centre) > tau * tau) {
-    const Near found = nearest(centre);
-    if (found.distance > tau) return Proof::refuted;
-    face = distance_from(found.face);
-  }
-  const bool proved =
-      std::all_of(piece.begin(), piece.end(), [&](const Vec3& x) { return face.squared(x) <= tau * tau; });
-  return proved ? Proof::proved : Proof::open;
+  const auto beside = [&](const TriangleDistance& face) {
+    return std::all_of(piece.begin(), piece.end(), [&](const Vec3& x) { return face.squared(x) <= tau * tau; });
+  };
+  const std::uint32_t memo = near_face(centre);
+  const TriangleDistance near = distance_from(memo);
+  if (beside(near)) return Proof::proved;
+  // The memo knows one face for all pieces in a voxel.
+  if (longest > voxel_size_ && near.squared(centre) <= tau * tau) return Proof::open;
+  const Near found = nearest(centre, memo);
+  if (found.distance > tau) return Proof::refuted;
+  return found.face != memo && beside(distance_from(found.face)) ? Proof::proved : Proof::open;
 }
 
 void DistanceBand::set_voxel_size(double size) {

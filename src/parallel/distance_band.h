@@ -33,8 +33,8 @@ class DistanceBand {
   // A face near x by the memo: an upper bound of the distance, at most voxel diagonal too large. Thread-safe.
   Near near(const Vec3& x);
   std::uint32_t near_face(const Vec3& x);
-  // The nearest face, lowest number among equals. Thread-safe.
-  Near nearest(const Vec3& x) const;
+  // The nearest face, lowest number among equals; a face that is near already saves time. Thread-safe.
+  Near nearest(const Vec3& x, std::uint32_t hint = 0xffffffffu) const;
   double distance_to_face(const Vec3& x, std::uint32_t face) const;
   TriangleDistance distance_from(std::uint32_t face) const;
 
@@ -54,8 +54,7 @@ class DistanceBand {
   struct Memo;  // keeps OpenVDB out of this header
   enum class Proof { proved, open, refuted };
 
-  Near nearest(const Vec3& x, std::uint32_t hint) const;  // the hint, a face or none, only saves time
-  Proof prove(const std::array<Vec3, 3>& piece, double tau);
+  Proof prove(const std::array<Vec3, 3>& piece, double longest, double tau);
 
   std::span<const Position> positions_;
   std::span<const Triangle> triangles_;

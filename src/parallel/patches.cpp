@@ -137,14 +137,11 @@ bool proper_patch(const CornerTable& mesh, const PatchBatch& batch, std::size_t 
   return true;
 }
 
-// An input face near x: the given one if it is near enough, else the nearer of it and the band's.
-DistanceBand::Near near_with_hint(DistanceBand& band, const Vec3& x, std::uint32_t hint, double tau) {
+// The input face known for a removed face if it is near enough to x, else the nearest one: what is too much in a
+// distance is lost for the constraints.
+DistanceBand::Near near_with_hint(const DistanceBand& band, const Vec3& x, std::uint32_t hint, double tau) {
   const DistanceBand::Near known{hint, band.distance_to_face(x, hint)};
-  if (known.distance <= near_enough * tau) return known;
-  const std::uint32_t face = band.near_face(x);
-  if (face == hint) return known;
-  const DistanceBand::Near found{face, band.distance_to_face(x, face)};
-  return found.distance < known.distance ? found : known;
+  return known.distance <= near_enough * tau ? known : band.nearest(x, hint);
 }
 
 // Is every point of the triangle within tau since its corners are well within it? A point is no farther from the corner
