@@ -54,6 +54,63 @@ bool separates(const double* const t[3], const double* const s[3]) {
   return side != 0 && plane.side(s[1]) == side && plane.side(s[2]) == side;
 }
 
+// A direction, taken as exact: which side of the plane through an edge and parallel to it is a point on?
+class FilteredDirection {
+ public:
+  // Nearly orthogonal to triangle t.
+  explicit FilteredDirection(const double* const t[3]) {
+    const double ux = t[1][0] - t[0][0], uy = t[1][1] - t[0][1], uz = t[1][2] - t[0][2];
+    const double vx = t[2][0] - t[0][0], vy = t[2][1] - t[0][1], vz = t[2][2] - t[0][2];
+    x_ = uy * vz - uz * vy;
+    y_ = uz * vx - ux * vz;
+    z_ = ux * vy - uy * vx;
+  }
+
+  // +1 or -1 if the sign is certain, else 0, with the error bound of FilteredPlane.
+  int side(const double* p, const double* q, const double* d) const {
+    const double ux = q[0] - p[0], uy = q[1] - p[1], uz = q[2] - p[2];
+    const double wx = d[0] - p[0], wy = d[1] - p[1], wz = d[2] - p[2];
+    const double yz = uy * wz, zy = uz * wy, zx = uz * wx, xz = ux * wz, xy = ux * wy, yx = uy * wx;
+    const double det = (yz - zy) * x_ + (zx - xz) * y_ + (xy - yx) * z_;
+    const double magnitude = (std::abs(yz) + std::abs(zy)) * std::abs(x_) +
+                             (std::abs(zx) + std::abs(xz)) * std::abs(y_) +
+                             (std::abs(xy) + std::abs(yx)) * std::abs(z_);
+    const double bound = 2e-15 * magnitude + 1e-280;
+    return det > bound ? 1 : det < -bound ? -1 : 0;
+  }
+
+ private:
+  double x_, y_, z_;
+};
+
+// Seen along the direction, does an edge of t have t on one side of its line and all of s strictly on the other? This
+// is what separates coplanar triangles.
+bool edge_separates(const FilteredDirection& direction, const double* const t[3], const double* const s[3]) {
+  for (int i = 0; i < 3; ++i) {
+    const double* p = t[i];
+    const double* q = t[(i + 1) % 3];
+    const int other = -direction.side(p, q, t[(i + 2) % 3]);
+    if (other != 0 && direction.side(p, q, s[0]) == other && direction.side(p, q, s[1]) == other &&
+        direction.side(p, q, s[2]) == other)
+      return true;
+  }
+  return false;
+}
+
+// The same for triangles that share corner `shared` of t, where an edge at that corner has to separate them from the
+// other two corners of s.
+bool edge_separates_beyond(const FilteredDirection& direction, const double* const t[3], int shared, const double* x,
+                           const double* y) {
+  const double* v = t[shared];
+  const double* p = t[(shared + 1) % 3];
+  const double* q = t[(shared + 2) % 3];
+  const auto beyond = [&](const double* edge, const double* apex) {
+    const int other = -direction.side(v, edge, apex);
+    return other != 0 && direction.side(v, edge, x) == other && direction.side(v, edge, y) == other;
+  };
+  return beyond(p, q) || beyond(q, p);
+}
+
 bool shares_two(const TriangleRef& a, const int* in_a, const TriangleRef& b, const int* in_b) {
   const double* u = a.p[in_a[0]];
   const double* v = a.p[in_a[1]];
@@ -70,6 +127,9 @@ bool shares_one(const TriangleRef& a, int in_a, const TriangleRef& b, int in_b) 
   const double* b1 = b.p[(in_b + 1) % 3];
   const double* b2 = b.p[(in_b + 2) % 3];
   if (both_on_one_side(b.p, a1, a2) || both_on_one_side(a.p, b1, b2)) return false;
+  const FilteredDirection direction(a.p);
+  if (edge_separates_beyond(direction, a.p, in_a, b1, b2) || edge_separates_beyond(direction, b.p, in_b, a1, a2))
+    return false;
   return exact::segment_triangle_intersect(a1, a2, b.p[0], b.p[1], b.p[2]) ||
          exact::segment_triangle_intersect(b1, b2, a.p[0], a.p[1], a.p[2]);
 }
@@ -77,7 +137,9 @@ bool shares_one(const TriangleRef& a, int in_a, const TriangleRef& b, int in_b) 
 }  // namespace
 
 bool certainly_separated(const double* const a[3], const double* const b[3]) {
-  return separates(a, b) || separates(b, a);
+  if (separates(a, b) || separates(b, a)) return true;
+  const FilteredDirection direction(a);
+  return edge_separates(direction, a, b) || edge_separates(direction, b, a);
 }
 
 bool improper_contact(const TriangleRef& a, const TriangleRef& b) {

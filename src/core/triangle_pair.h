@@ -18,8 +18,8 @@ struct TriangleRef {
 // where no edge is shared.
 bool improper_contact(const TriangleRef& a, const TriangleRef& b);
 
-// Is the plane of one triangle certain, by floating-point arithmetic with an error bound, to separate the two
-// closed triangles strictly? False says nothing.
+// Is the plane of one triangle, or one through an edge and nearly orthogonal to the first, certain by floating-point
+// arithmetic with an error bound to separate the two closed triangles strictly? False says nothing.
 bool certainly_separated(const double* const a[3], const double* const b[3]);
 
 }  // namespace prcage
