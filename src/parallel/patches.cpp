@@ -251,6 +251,10 @@ void test_patches_against_band(const CageState& state, DistanceBand& band, doubl
   parallel_each(batch.size(), 2, [&](std::size_t i) {
     if (!batch.alive(i)) return;
     measure_moved(state, band, tau, batch, i);
+    if (mode == TauMode::strict && batch.moved[i] != none && batch.moved_distance[i] > tau) {
+      batch.verdict[i] = Verdict::beyond_tau;
+      return;
+    }
     for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
       if (measure_face(state, band, tau, mode, batch, t)) continue;
       batch.verdict[i] = Verdict::beyond_tau;
