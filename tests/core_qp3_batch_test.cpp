@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "test_meshes.h"
+#include "random.h"
 
 namespace prcage {
 namespace {
 
-using testing::random_unit;
+using testing::Random;
 
 constexpr double tolerance = 1e-10;
 
@@ -104,18 +104,6 @@ Solutions expect_same_bits(const std::vector<Problem>& problems) {
   }
   return expected;
 }
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine_); }
-  std::size_t below(std::size_t n) { return engine_() % n; }
-  Vec3 unit() { return random_unit(engine_); }
-  std::mt19937_64& engine() { return engine_; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 void add_planes(Problem& p, std::size_t count, double lowest, double highest, Random& random) {
   for (std::size_t i = 0; i < count; ++i) p.planes.push_back({random.unit(), random.uniform(lowest, highest)});

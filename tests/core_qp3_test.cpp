@@ -9,12 +9,12 @@
 #include <random>
 #include <vector>
 
-#include "test_meshes.h"
+#include "random.h"
 
 namespace prcage {
 namespace {
 
-using testing::random_unit;
+using testing::Random;
 
 using Long3 = Eigen::Matrix<long double, 3, 1>;
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
@@ -142,28 +142,18 @@ void check(const Problem& p, Tally& tally) {
   }
 }
 
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine_); }
-  std::size_t below(std::size_t n) { return engine_() % n; }
-  Vec3 unit() { return random_unit(engine_); }
-  Symmetric3 form(double smallest) {
-    Symmetric3 form{smallest, 0, 0, smallest, 0, smallest};
-    const std::size_t faces = 1 + below(6);
-    for (std::size_t i = 0; i < faces; ++i) form.add_outer(unit(), uniform(0.01, 1));
-    return form;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
+Symmetric3 random_form(double smallest, Random& random) {
+  Symmetric3 form{smallest, 0, 0, smallest, 0, smallest};
+  const std::size_t faces = 1 + random.below(6);
+  for (std::size_t i = 0; i < faces; ++i) form.add_outer(random.unit(), random.uniform(0.01, 1));
+  return form;
+}
 
 TEST(Qp3, WithoutPlanesItIsTheMinimumOfTheForm) {
   Random random(1);
   for (int trial = 0; trial < 200; ++trial) {
     Problem p;
-    p.form = random.form(1e-3);
+    p.form = random_form(1e-3, random);
     p.linear = random.unit();
     Vec3 x;
     ASSERT_EQ(solve_qp3(p.form, p.linear, p.planes(), tolerance, x), QpStatus::solved);
@@ -176,7 +166,7 @@ TEST(Qp3, RandomPlanesAgreeWithAllActiveSets) {
   Tally tally;
   for (int trial = 0; trial < 1500; ++trial) {
     Problem p;
-    p.form = random.form(1e-3);
+    p.form = random_form(1e-3, random);
     p.linear = random.uniform(0, 2) * random.unit();
     const std::size_t n = random.below(13);
     for (std::size_t i = 0; i < n; ++i) p.add(random.unit(), random.uniform(-1, 0.3));
@@ -216,7 +206,7 @@ TEST(Qp3, InfeasibleProblemsAreCalledSo) {
   Random random(4);
   for (int trial = 0; trial < 500; ++trial) {
     Problem p;
-    p.form = random.form(1e-3);
+    p.form = random_form(1e-3, random);
     p.linear = random.unit();
     // A simplex turned inside out: the normals positively span space, the offsets leave nothing.
     const Vec3 a = random.unit(), b = random.unit(), c = random.unit();
@@ -249,7 +239,7 @@ TEST(Qp3, RedundantPlanesDoNotMoveTheOptimum) {
   Random random(5);
   for (int trial = 0; trial < 300; ++trial) {
     Problem p;
-    p.form = random.form(1e-2);
+    p.form = random_form(1e-2, random);
     p.linear = random.unit();
     for (int i = 0; i < 5; ++i) p.add(random.unit(), random.uniform(-1, 0));  // the origin is feasible
     Problem more = p;
@@ -269,7 +259,7 @@ TEST(Qp3Slow, NearlyParallelPlanesAgreeWithAllActiveSets) {
   Tally tally;
   for (int trial = 0; trial < 1500; ++trial) {
     Problem p;
-    p.form = random.form(1e-3);
+    p.form = random_form(1e-3, random);
     p.linear = random.unit();
     const double angle = std::pow(10, random.uniform(-12, -2));
     for (int i = 0; i < 3; ++i) {
@@ -307,7 +297,7 @@ TEST(Qp3, NoFeasibleDirectionDescendsFromTheSolution) {
   Random random(8);
   for (int trial = 0; trial < 300; ++trial) {
     Problem p;
-    p.form = random.form(1e-2);
+    p.form = random_form(1e-2, random);
     p.linear = 2 * random.unit();
     for (int i = 0; i < 30; ++i) p.add(random.unit(), random.uniform(-1, -0.1));
     Vec3 x;

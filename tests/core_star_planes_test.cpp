@@ -14,13 +14,13 @@
 #include "core/edge_star.h"
 #include "core/qp3.h"
 #include "core/vec3.h"
+#include "random.h"
 #include "solids.h"
-#include "test_meshes.h"
 
 namespace prcage {
 namespace {
 
-using testing::random_unit;
+using testing::Random;
 
 // What the padding holds, and what the makers may not write beyond it.
 constexpr double junk = 1e200;
@@ -111,17 +111,6 @@ void expect_same_bits(const Stars& stars) {
     EXPECT_TRUE(same_bits(got.quadric, expected.quadric)) << name_of(level);
   }
 }
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(engine_); }
-  std::size_t below(std::size_t n) { return engine_() % n; }
-  Vec3 unit() { return random_unit(engine_); }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 // A star of `faces` faces somewhere; a share of the faces has no area.
 void add_random(Stars& stars, std::size_t faces, double thin, Random& random) {
