@@ -13,22 +13,14 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 
-#include "core/vec3.h"
+#include "core/filtered_cross.h"
 
 namespace prcage {
 
 // Does triangle abc face n for certain? n is taken as exact.
 inline bool certainly_faces(const Vec3& n, const double* a, const double* b, const double* c) {
-  const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-  const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
-  const double yz = uy * vz, zy = uz * vy, zx = uz * vx, xz = ux * vz, xy = ux * vy, yx = uy * vx;
-  const double det = (yz - zy) * n.x() + (zx - xz) * n.y() + (xy - yx) * n.z();
-  const double magnitude = (std::abs(yz) + std::abs(zy)) * std::abs(n.x()) +
-                           (std::abs(zx) + std::abs(xz)) * std::abs(n.y()) +
-                           (std::abs(xy) + std::abs(yx)) * std::abs(n.z());
-  return det > 2e-15 * magnitude + 1e-280;
+  return FilteredCross(difference(a, b), difference(a, c)).sign_of_product(n) > 0;
 }
 
 // How often a fan of triangles that all face n winds round its centre, seen along n: the number of times that its rim

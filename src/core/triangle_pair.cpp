@@ -1,8 +1,6 @@
 #include "core/triangle_pair.h"
 
-#include <algorithm>
-#include <cmath>
-
+#include "core/filtered_cross.h"
 #include "core/predicates.h"
 
 namespace prcage {
@@ -11,33 +9,15 @@ namespace {
 // A triangle's plane in floating point.
 class FilteredPlane {
  public:
-  FilteredPlane(const double* a, const double* b, const double* c) : a_(a) {
-    const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-    const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
-    const double yz = uy * vz, zy = uz * vy, zx = uz * vx, xz = ux * vz, xy = ux * vy, yx = uy * vx;
-    x_ = yz - zy;
-    y_ = zx - xz;
-    z_ = xy - yx;
-    x_magnitude_ = std::abs(yz) + std::abs(zy);
-    y_magnitude_ = std::abs(zx) + std::abs(xz);
-    z_magnitude_ = std::abs(xy) + std::abs(yx);
-  }
+  FilteredPlane(const double* a, const double* b, const double* c)
+      : a_(a), cross_(difference(a, b), difference(a, c)) {}
 
-  // orient3d: +1 or -1 if the sign is certain, else 0. The bound is the static error of the expression (7 roundings
-  // on each product of differences, each exact difference off by half an ulp) with room to spare; results near
-  // underflow are left undecided.
-  int side(const double* d) const {
-    const double wx = d[0] - a_[0], wy = d[1] - a_[1], wz = d[2] - a_[2];
-    const double det = x_ * wx + y_ * wy + z_ * wz;
-    const double magnitude = x_magnitude_ * std::abs(wx) + y_magnitude_ * std::abs(wy) + z_magnitude_ * std::abs(wz);
-    const double bound = 2e-15 * magnitude + 1e-280;
-    return det > bound ? 1 : det < -bound ? -1 : 0;
-  }
+  // orient3d: +1 or -1 if the sign is certain, else 0.
+  int side(const double* d) const { return cross_.sign_of_product(difference(a_, d)); }
 
  private:
   const double* a_;
-  double x_, y_, z_;
-  double x_magnitude_, y_magnitude_, z_magnitude_;
+  FilteredCross cross_;
 };
 
 // Are both points certain to be strictly on one side of the plane of t?
@@ -58,29 +38,16 @@ bool separates(const double* const t[3], const double* const s[3]) {
 class FilteredDirection {
  public:
   // Nearly orthogonal to triangle t.
-  explicit FilteredDirection(const double* const t[3]) {
-    const double ux = t[1][0] - t[0][0], uy = t[1][1] - t[0][1], uz = t[1][2] - t[0][2];
-    const double vx = t[2][0] - t[0][0], vy = t[2][1] - t[0][1], vz = t[2][2] - t[0][2];
-    x_ = uy * vz - uz * vy;
-    y_ = uz * vx - ux * vz;
-    z_ = ux * vy - uy * vx;
-  }
+  explicit FilteredDirection(const double* const t[3])
+      : direction_(FilteredCross(difference(t[0], t[1]), difference(t[0], t[2])).value()) {}
 
-  // +1 or -1 if the sign is certain, else 0, with the error bound of FilteredPlane.
+  // +1 or -1 if the sign is certain, else 0.
   int side(const double* p, const double* q, const double* d) const {
-    const double ux = q[0] - p[0], uy = q[1] - p[1], uz = q[2] - p[2];
-    const double wx = d[0] - p[0], wy = d[1] - p[1], wz = d[2] - p[2];
-    const double yz = uy * wz, zy = uz * wy, zx = uz * wx, xz = ux * wz, xy = ux * wy, yx = uy * wx;
-    const double det = (yz - zy) * x_ + (zx - xz) * y_ + (xy - yx) * z_;
-    const double magnitude = (std::abs(yz) + std::abs(zy)) * std::abs(x_) +
-                             (std::abs(zx) + std::abs(xz)) * std::abs(y_) +
-                             (std::abs(xy) + std::abs(yx)) * std::abs(z_);
-    const double bound = 2e-15 * magnitude + 1e-280;
-    return det > bound ? 1 : det < -bound ? -1 : 0;
+    return FilteredCross(difference(p, q), difference(p, d)).sign_of_product(direction_);
   }
 
  private:
-  double x_, y_, z_;
+  Vec3 direction_;
 };
 
 // Seen along the direction, does an edge of t have t on one side of its line and all of s strictly on the other? This

@@ -6,6 +6,7 @@
 #include "parallel/parallel_for.h"
 
 namespace prcage {
+
 void BoxRuns::build(std::span<const Box> boxes) {
   const std::vector<std::uint32_t> order = along_curve(boxes);
   const std::size_t count = (order.size() + length - 1) / length;
