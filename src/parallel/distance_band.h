@@ -1,10 +1,11 @@
 // Distance to the input inside a narrow band: the d(c_f, M) of eq. 4 and the proof behind strict tau.
 //
-// A sparse OpenVDB grid remembers, per voxel, the input face closest to the voxel's centre. The distance from a query
-// point to that face is an upper bound of its distance to the input, exceeding it by at most the voxel's diagonal;
-// over-estimates only tighten constraints, an under-estimate cannot happen. The grid is a memo of a pure function: it
-// is filled where queries fall, by closest-point queries on Embree, and what it returns does not depend on what it
-// already holds. So results are the same for any number of threads, and memory follows the cage's surface.
+// nearest() is exact and gives eq. 4 its distances. The proof asks for many points at once and is content with a face
+// near by: a sparse OpenVDB grid remembers, per voxel, the input face closest to the voxel's centre. The distance to
+// that face is an upper bound of the distance to the input, exceeding it by at most the voxel's diagonal;
+// over-estimates only cost more pieces, an under-estimate cannot happen. The grid is a memo of a pure function: it is
+// filled where queries fall, by closest-point queries on Embree, and what it returns does not depend on what it already
+// holds. So results are the same for any number of threads, and memory follows the cage's surface.
 #pragma once
 
 #include <array>
