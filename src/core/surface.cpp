@@ -64,6 +64,27 @@ SubMesh select_faces(std::span<const Position> positions, std::span<const Triang
   return part;
 }
 
+SubMesh arrange_faces(std::span<const Position> positions, std::span<const Triangle> triangles,
+                      std::vector<std::uint32_t> faces) {
+  SubMesh part;
+  std::vector<std::uint32_t> number(positions.size(), none);
+  part.mesh.triangles.reserve(faces.size());
+  for (const std::uint32_t f : faces) {
+    Triangle t = triangles[f];
+    for (std::uint32_t& v : t) {
+      if (number[v] == none) {
+        number[v] = static_cast<std::uint32_t>(part.vertex_of.size());
+        part.vertex_of.push_back(v);
+        part.mesh.positions.push_back(positions[v]);
+      }
+      v = number[v];
+    }
+    part.mesh.triangles.push_back(t);
+  }
+  part.face_of = std::move(faces);
+  return part;
+}
+
 Components face_components(std::size_t face_count, const EdgeGroups& edges) {
   DisjointSets sets(face_count);
   for (std::size_t e = 0; e < edges.size(); ++e)

@@ -20,16 +20,20 @@ namespace prcage {
 inline constexpr double largest_coordinate = 1e15;
 inline constexpr double smallest_diagonal = 1e-60;
 
-// A selection of a mesh's faces with only the vertices that they use, both in their old order.
+// A selection of a mesh's faces with only the vertices that they use.
 struct SubMesh {
   Mesh mesh;
   std::vector<std::uint32_t> vertex_of;  // vertex of `mesh` -> vertex of the whole
   std::vector<std::uint32_t> face_of;    // face of `mesh` -> face of the whole
 };
 
-// Faces with keep[f] != 0, all if `keep` is empty. Indices of the faces that are kept must be in range.
+// Faces with keep[f] != 0, all if `keep` is empty; faces and vertices in their old order. Indices of the faces that are
+// kept must be in range.
 SubMesh select_faces(std::span<const Position> positions, std::span<const Triangle> triangles,
                      std::span<const std::uint8_t> keep = {});
+// The listed faces in the order of the list, vertices in the order in which these use them.
+SubMesh arrange_faces(std::span<const Position> positions, std::span<const Triangle> triangles,
+                      std::vector<std::uint32_t> faces);
 
 // Connected components of the faces: two faces are connected if they share an edge. Numbered in order of their first
 // faces; the faces of component c are faces[offsets[c]] .. faces[offsets[c + 1] - 1], ascending.

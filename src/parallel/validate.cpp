@@ -9,6 +9,7 @@
 #include "core/predicates.h"
 #include "core/repair.h"
 #include "parallel/arena.h"
+#include "parallel/morton.h"
 #include "parallel/parallel_for.h"
 #include "parallel/winding.h"
 
@@ -18,12 +19,18 @@ namespace {
 constexpr std::size_t max_examples = 5;
 constexpr std::size_t max_faces = 0xffffffffu / 3;  // halfedges have 32-bit numbers
 
+enum class FaceOrder { as_given, along_curve };
+
 // Runs the checks in an order in which each can rely on those before it, and goes on past a defect as far as the
 // next check still means something.
 class Validator {
  public:
-  Validator(const Mesh& mesh, const TreeDevice& device, bool accept_inside_out)
-      : mesh_(mesh), device_(device), accept_inside_out_(accept_inside_out), out_{{}, ValidSurface(device)} {}
+  Validator(const Mesh& mesh, const TreeDevice& device, bool accept_inside_out, FaceOrder order)
+      : mesh_(mesh),
+        device_(device),
+        accept_inside_out_(accept_inside_out),
+        order_(order),
+        out_{{}, ValidSurface(device)} {}
 
   CheckedMesh run() {
     if (check_faces()) {
@@ -37,6 +44,7 @@ class Validator {
   const Mesh& mesh_;
   const TreeDevice& device_;
   bool accept_inside_out_;
+  FaceOrder order_;
   CheckedMesh out_;
 
   SubMesh& surface_ = out_.valid.surface;
@@ -44,6 +52,7 @@ class Validator {
   std::vector<std::array<std::uint32_t, 2>> duplicates_;  // faces of surface_
 
   bool check_faces();
+  void take_faces(std::vector<std::uint32_t> faces);
   void check_connectivity();
   bool check_coordinates();
   void check_geometry();
@@ -124,7 +133,8 @@ bool Validator::check_faces() {
 
   std::vector<std::uint32_t> out_of_range;
   std::vector<std::uint32_t> repeated;
-  std::vector<std::uint8_t> keep(triangles.size(), 0);
+  std::vector<std::uint32_t> proper;
+  proper.reserve(triangles.size());
   for (std::uint32_t f = 0; f < triangles.size(); ++f) {
     const Triangle& t = triangles[f];
     if (*std::max_element(t.begin(), t.end()) >= mesh_.positions.size())
@@ -132,9 +142,9 @@ bool Validator::check_faces() {
     else if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
       repeated.push_back(f);
     else
-      keep[f] = 1;
+      proper.push_back(f);
   }
-  surface_ = select_faces(mesh_.positions, triangles, keep);
+  take_faces(std::move(proper));
   out_.validation.unreferenced_vertices = mesh_.positions.size() - surface_.vertex_of.size();
 
   report_all(DefectKind::index_out_of_range, out_of_range, [&](std::uint32_t f) {
@@ -154,6 +164,24 @@ bool Validator::check_faces() {
     return example;
   });
   return out_of_range.empty() && !surface_.mesh.triangles.empty();
+}
+
+// Along the curve, all stages to come find what is near in space near in memory. Coordinates that have no place on it
+// are about to be reported.
+void Validator::take_faces(std::vector<std::uint32_t> faces) {
+  const auto& positions = mesh_.positions;
+  if (order_ == FaceOrder::along_curve && std::all_of(positions.begin(), positions.end(), within_limits)) {
+    const UnitFrame frame = unit_frame(positions);
+    std::vector<Box> boxes(faces.size());
+    parallel_each(faces.size(), default_grain, [&](std::size_t i) {
+      const Triangle& t = mesh_.triangles[faces[i]];
+      boxes[i] = bounding_box(frame, {positions[t[0]].data(), positions[t[1]].data(), positions[t[2]].data()});
+    });
+    std::vector<std::uint32_t> order = along_curve(boxes);
+    for (std::uint32_t& f : order) f = faces[f];
+    faces = std::move(order);
+  }
+  surface_ = arrange_faces(positions, mesh_.triangles, std::move(faces));
 }
 
 void Validator::check_connectivity() {
@@ -316,7 +344,10 @@ std::vector<std::uint32_t> degenerate_faces(std::span<const Position> positions,
 }
 
 CheckedMesh validate_mesh(const Mesh& mesh, const TreeDevice& device, bool accept_inside_out) {
-  return Validator(mesh, device, accept_inside_out).run();
+  CheckedMesh checked = Validator(mesh, device, accept_inside_out, FaceOrder::along_curve).run();
+  if (checked.validation.valid()) return checked;
+  // Once more for the sake of the report, whose examples are the first ones in the file.
+  return Validator(mesh, device, accept_inside_out, FaceOrder::as_given).run();
 }
 
 Validation validate(const MeshView& input, int threads) {
