@@ -66,7 +66,7 @@ void within_tau(benchmark::State& state) {
   const Queries queries;
   const double tau = queries.workload.placement.band.tau;
   loop_in_arena(state, [&] {
-    for (const Face& f : queries.faces) benchmark::DoNotOptimize(queries.workload.band.within(f.a, f.b, f.c, tau));
+    for (const Face& f : queries.faces) benchmark::DoNotOptimize(queries.workload.band.reach(f.a, f.b, f.c, tau));
     queries.workload.band.absorb();
   });
   state.counters["faces"] = rate(queries.faces.size());

@@ -84,10 +84,12 @@ void local_tests(benchmark::State& state) {
 }
 BENCHMARK(local_tests)->Apply(cages_and_threads);
 
+BandLimits limits_of(const Workload& workload) { return {workload.placement.band.tau, workload.placement.band.tau}; }
+
 // After the first iteration with the memo of the band full.
 void band_test(benchmark::State& state) {
   with_fresh_batch(state, [](Workload& workload, PatchBatch& batch) {
-    test_patches_against_band(workload.state, workload.band, workload.placement.band.tau, TauMode::strict, batch);
+    test_patches_against_band(workload.state, workload.band, limits_of(workload), batch);
   });
 }
 BENCHMARK(band_test)->Apply(cages_and_threads);
@@ -112,7 +114,7 @@ void commit(benchmark::State& state) {
   PatchBatch& batch = round.batch;
   in_arena(0, [&] {
     test_patches_locally(workload.state, batch);
-    test_patches_against_band(workload.state, workload.band, workload.placement.band.tau, TauMode::strict, batch);
+    test_patches_against_band(workload.state, workload.band, limits_of(workload), batch);
     reject_hits_on_cage(workload.state, workload.device, batch);
     reject_conflicts(workload.state, workload.device, batch);
   });
@@ -145,8 +147,8 @@ void flip(benchmark::State& state) {
         counts = {};
       },
       [&] {
-        flip_edges(cage, {workload.placement.band.tau, TauMode::strict, 0}, workload.tree.frame(), workload.device,
-                   workload.band, nullptr, counts);
+        flip_edges(cage, {limits_of(workload), 0}, workload.tree.frame(), workload.device, workload.band, nullptr,
+                   counts);
       });
   state.counters["tried"] = rate(counts.flips_tried);
 }

@@ -237,7 +237,9 @@ std::set<std::uint32_t> local_minima(const CageState& state, std::uint64_t seed)
 void expect_local_minima(CageState& state, std::uint64_t seed) {
   std::fill(state.reselect.begin(), state.reselect.end(), std::uint8_t{1});
   const std::vector<Candidate> selected = select_independent_collapses(state, seed);
-  EXPECT_TRUE(std::is_sorted(selected.begin(), selected.end()));
+  EXPECT_TRUE(std::is_sorted(selected.begin(), selected.end(), [&](const Candidate& a, const Candidate& b) {
+    return state.mesh.origin(a.halfedge) < state.mesh.origin(b.halfedge);
+  }));
   std::set<std::uint32_t> edges;
   std::set<std::uint32_t> faces;
   for (const Candidate& c : selected) {

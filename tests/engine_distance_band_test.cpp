@@ -1,5 +1,5 @@
 // The distance band against loops over all faces: an upper bound by near(), the exact nearest face by nearest(), and
-// proofs by within() that dense samples never refute.
+// proofs by reach() that dense samples never refute.
 #include "parallel/distance_band.h"
 
 #include <gtest/gtest.h>
@@ -124,7 +124,7 @@ TEST(DistanceBandSlow, WithinIsNeverClaimedWronglyAndFoundWhereItIsClear) {
         for (int trial = 0; trial < 60; ++trial) {
           const double size = std::pow(10, std::uniform_real_distribution<double>(-1.5, 0.7)(random)) * tau;
           const auto t = random_triangle(input, 0.6 * tau, size, random);
-          const bool proved = stage.band->within(t[0], t[1], t[2], tau);
+          const bool proved = stage.band->reach(t[0], t[1], t[2], tau) <= tau;
           const double farthest = farthest_sample(t, distance);
           if (proved) {
             EXPECT_LE(farthest, tau * (1 + 1e-9));
@@ -148,9 +148,9 @@ TEST(DistanceBand, LargeTrianglesAlongTheInputAreProved) {
     const double tau = 0.004;
     stage.band->set_voxel_size(tau / 4);
     const auto at = [](double x, double y, double z) { return Vec3(x, y, z); };
-    EXPECT_TRUE(stage.band->within(at(0.01, 0.01, 0.302), at(0.98, 0.03, 0.302), at(0.4, 0.97, 0.3019), tau));
-    EXPECT_FALSE(stage.band->within(at(0.01, 0.01, 0.302), at(0.98, 0.03, 0.302), at(0.4, 0.97, 0.3041), tau));
-    EXPECT_FALSE(stage.band->within(at(0.01, 0.01, 0.302), at(1.01, 0.03, 0.302), at(0.4, 0.97, 0.302), tau));
+    EXPECT_LE(stage.band->reach(at(0.01, 0.01, 0.302), at(0.98, 0.03, 0.302), at(0.4, 0.97, 0.3019), tau), tau);
+    EXPECT_GT(stage.band->reach(at(0.01, 0.01, 0.302), at(0.98, 0.03, 0.302), at(0.4, 0.97, 0.3041), tau), tau);
+    EXPECT_GT(stage.band->reach(at(0.01, 0.01, 0.302), at(1.01, 0.03, 0.302), at(0.4, 0.97, 0.302), tau), tau);
   });
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -355,13 +356,30 @@ TEST(MakeCageBudgetSlow, IsMetExactlyOrOneBelow) {
   }
 }
 
+// The triangles of C_0 in vertices of the input, from which those of C_0 are hardly moved; sorted, each from its lowest
+// vertex on.
+std::vector<Triangle> in_vertices_of(const Mesh& input, const Mesh& cage) {
+  std::vector<Triangle> triangles = cage.triangles;
+  for (Triangle& t : triangles) {
+    for (std::uint32_t& v : t) {
+      const auto distance = [&](const Position& p) { return (vec(p) - vec(cage.positions[v])).squaredNorm(); };
+      const auto nearest = std::min_element(input.positions.begin(), input.positions.end(),
+                                            [&](const auto& p, const auto& q) { return distance(p) < distance(q); });
+      v = static_cast<std::uint32_t>(nearest - input.positions.begin());
+    }
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  }
+  std::sort(triangles.begin(), triangles.end());
+  return triangles;
+}
+
 TEST(MakeCageBudget, LargerThanTheInputGivesTheFirstCage) {
   const Mesh input = shape("bumpy", 300);
   Options options;
   options.face_budget = 100000;
   const Result r = expect_cage(input, options);
   EXPECT_EQ(r.status, Status::ok);
-  EXPECT_EQ(r.cage.triangles, input.triangles);
+  EXPECT_EQ(in_vertices_of(input, r.cage), in_vertices_of(input, input));
   EXPECT_EQ(r.statistics.counts.collapses, 0u);
 }
 
@@ -445,7 +463,7 @@ TEST(MakeCageCancel, BeforeTheStartGivesTheFirstCage) {
   const Result r = make_cage(input, {}, &control);
   EXPECT_EQ(r.status, Status::cancelled);
   expect_sound(input, {}, r);
-  EXPECT_EQ(r.cage.triangles, input.triangles);
+  EXPECT_EQ(in_vertices_of(input, r.cage), in_vertices_of(input, input));
 }
 
 TEST(MakeCageCancelSlow, AtAnyTimeGivesAValidCage) {

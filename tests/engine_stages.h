@@ -47,13 +47,12 @@ class Stage {
     const std::size_t faces = cage.triangles.size();
     state.live_faces = faces;
     forget_costs(state);
-    for (const Position& p : cage.positions)
-      state.vertex_distance.push_back(round_distance_up(band->nearest(vec(p)).distance));
     for (const Triangle& t : cage.triangles) {
       const auto [a, b, c] = corners(cage, t);
       const DistanceBand::Near near = band->nearest((a + b + c) / 3);
       state.face_near.push_back(near.face);
       state.face_distance.push_back(round_distance_up(near.distance));
+      state.face_reach.push_back(round_distance_up(band->reach(a, b, c, diagonal)));
       state.face_box.push_back(bounding_box(tree.frame(), {a.data(), b.data(), c.data()}));
       state.face_normal.push_back(reliable_normal(a.data(), b.data(), c.data()));
     }

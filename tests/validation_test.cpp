@@ -272,6 +272,11 @@ void add_cap(Mesh& mesh, std::size_t face) {
   mesh.triangles.push_back({a, b, m});
 }
 
+std::vector<Position> sorted(std::vector<Position> positions) {
+  std::sort(positions.begin(), positions.end());
+  return positions;
+}
+
 TEST(Validate, DegenerateFacesAreRepaired) {
   Mesh mesh = cube(2);
   add_cap(mesh, 4);
@@ -285,7 +290,7 @@ TEST(Validate, DegenerateFacesAreRepaired) {
     const TreeDevice device;
     const CheckedMesh checked = validate_mesh(mesh, device);
     const Mesh& repaired = checked.valid.surface.mesh;
-    EXPECT_EQ(repaired.positions, mesh.positions);
+    EXPECT_EQ(sorted(repaired.positions), sorted(mesh.positions));
     EXPECT_EQ(repaired.triangles.size(), mesh.triangles.size());
     EXPECT_TRUE(degenerate_faces(repaired.positions, repaired.triangles).empty());
     EXPECT_EQ(checked.valid.components.of_face.size(), repaired.triangles.size());

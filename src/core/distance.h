@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/vec3.h"
@@ -31,6 +32,11 @@ class TriangleDistance {
       return height * height / nn_;
     }
     return std::min({squared_to_edge(0, ax), squared_to_edge(1, x - corner_[1]), squared_to_edge(2, x - corner_[2])});
+  }
+
+  // Of the points of a triangle: the distance to a convex set is largest at a corner.
+  double largest_squared(const std::array<Vec3, 3>& corners) const {
+    return std::max({squared(corners[0]), squared(corners[1]), squared(corners[2])});
   }
 
  private:

@@ -146,8 +146,8 @@ struct Certificate {
 // ---------------------------------------------------------------------------------------------- options
 
 enum class TauMode {
-  strict,  // proved: no point of the cage is farther than tau_k from the input in cycle k (DESIGN: strict tau)
-  paper,   // the paper's test at face centroids only, eq. 4
+  strict,  // the paper's, and proved: no point of the cage is ever farther than tau from the input
+  paper,   // in cycle k the centroids of faces are within tau_k, eq. 4
 };
 
 enum class Precision { float64, float32 };

@@ -80,9 +80,9 @@ void sort_along_curve(CageState& state) {
   renumber(state.mesh, order);
   keep(state.face_distance, order.faces);
   keep(state.face_near, order.faces);
+  keep(state.face_reach, order.faces);
   keep(state.face_box, order.faces);
   keep(state.face_normal, order.faces);
-  keep(state.vertex_distance, order.vertices);
   keep(state.dirty, order.vertices);
   state.best_edge.resize(order.vertices.size());
   state.reselect.assign(order.vertices.size(), 1);

@@ -33,9 +33,9 @@ struct CageState {
   std::size_t live_faces = 0;
   std::vector<float> face_distance;      // per face: upper bound of d(c_f, M)
   std::vector<std::uint32_t> face_near;  // per face: input face to which face_distance was measured
+  std::vector<float> face_reach;         // per face: upper bound of the distance of its points to M
   std::vector<Box> face_box;             // per face; empty for dead faces
   std::vector<Normal> face_normal;       // per face
-  std::vector<float> vertex_distance;    // per vertex: upper bound of its distance to M
   std::vector<float> edge_cost;          // per halfedge, valid for the lower one of an edge; infinity: no candidate
   std::vector<Candidate> best_edge;      // per vertex: the cheapest edge at it, valid where reselect is 0
   std::vector<std::uint8_t> reselect;    // per vertex: the cost of an edge at it has changed

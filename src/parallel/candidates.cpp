@@ -1,7 +1,6 @@
 #include "parallel/candidates.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
@@ -140,7 +139,7 @@ std::vector<Candidate> select_independent_collapses(CageState& state, std::uint6
     state.reselect[v] = 0;
     state.best_edge[v] = best_edge_at(state, static_cast<std::uint32_t>(v), seed);
   });
-  auto selected = parallel_gather<Candidate>(
+  return parallel_gather<Candidate>(
       state.mesh.vertex_slots(), 1u << 13, [&](std::size_t begin, std::size_t end, auto& list) {
         for (std::size_t v = begin; v < end; ++v) {
           const Candidate& best = state.best_edge[v];
@@ -148,8 +147,6 @@ std::vector<Candidate> select_independent_collapses(CageState& state, std::uint6
             list.push_back(best);
         }
       });
-  tbb::parallel_sort(selected);
-  return selected;
 }
 
 PlacedCollapses place_collapses(CageState& state, const PlacementSettings& settings,
@@ -189,6 +186,21 @@ PlacedCollapses place_collapses(CageState& state, const PlacementSettings& setti
   return placed;
 }
 
+void keep_cheapest(PlacedCollapses& placed, std::size_t count) {
+  if (placed.candidate.size() <= count) return;
+  std::vector<Candidate> order = placed.candidate;
+  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+  const Candidate first_left_out = order[count];
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < placed.candidate.size(); ++i) {
+    if (!(placed.candidate[i] < first_left_out)) continue;
+    placed.candidate[kept] = placed.candidate[i];
+    placed.point[kept++] = placed.point[i];
+  }
+  placed.candidate.resize(kept);
+  placed.point.resize(kept);
+}
+
 std::vector<Candidate> select_independent_flips(const CornerTable& mesh, const std::vector<Candidate>& candidates) {
   const auto corners = [&mesh](std::uint32_t h) {
     return std::array<std::uint32_t, 4>{mesh.origin(h), mesh.target(h), mesh.apex(h), mesh.apex(mesh.twin[h])};
@@ -202,7 +214,6 @@ std::vector<Candidate> select_independent_flips(const CornerTable& mesh, const s
     const auto v = corners(c.halfedge);
     if (std::all_of(v.begin(), v.end(), [&](std::uint32_t u) { return at_vertex[u] == c.key; })) selected.push_back(c);
   }
-  std::sort(selected.begin(), selected.end());
   return selected;
 }
 

@@ -15,9 +15,10 @@ void evaluate_dirty_edges(CageState& state, const PlacementSettings& settings, C
 // Order-preserving key of a non-negative cost, made unique by the halfedge.
 std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t seed);
 
-// Edges of finite cost that are the minimum on every face of their star, in ascending order. Stars of the result are
-// disjoint, so the collapses cannot disturb each other's topology. Looks again at the vertices marked in `reselect`
-// only; the seed must be the same while a state lasts.
+// Edges of finite cost that are the minimum on every face of their star, in the order of their origins: what is near in
+// space stays near in the stages to come. Stars of the result are disjoint, so the collapses cannot disturb each
+// other's topology. Looks again at the vertices marked in `reselect` only; the seed must be the same while a state
+// lasts.
 std::vector<Candidate> select_independent_collapses(CageState& state, std::uint64_t seed);
 
 // Collapses with the positions that their problems have now.
@@ -32,8 +33,11 @@ struct PlacedCollapses {
 PlacedCollapses place_collapses(CageState& state, const PlacementSettings& settings,
                                 const std::vector<Candidate>& selected);
 
+// Leaves so many of the cheapest collapses, in the order in which they are.
+void keep_cheapest(PlacedCollapses& placed, std::size_t count);
+
 // For operations that change the edges of all vertices in a quadrilateral: of the given candidates those that are the
-// minimum at the four vertices of their two faces, in ascending order.
+// minimum at the four vertices of their two faces, in the given order.
 std::vector<Candidate> select_independent_flips(const CornerTable& mesh, const std::vector<Candidate>& candidates);
 
 }  // namespace prcage

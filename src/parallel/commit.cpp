@@ -20,6 +20,7 @@ void take_over_faces(CageState& state, const PatchBatch& batch, std::size_t i) {
     const std::uint32_t f = batch.face[t];
     state.face_distance[f] = round_distance_up(batch.near[t].distance);
     state.face_near[f] = batch.near[t].face;
+    state.face_reach[f] = round_distance_up(batch.reach[t]);
     state.face_box[f] = batch.box[t];
     state.face_normal[f] = batch.normal[t];
     for (const std::uint32_t u : batch.triangle[t]) mark_dirty(state, u, u == batch.moved[i] ? Dirt::moved : Dirt::rim);
@@ -35,7 +36,6 @@ void commit_collapses(CageState& state, const PatchBatch& batch) {
       case Verdict::accepted:
         for (const std::uint32_t dying : batch.removed_faces(i).first(2)) state.face_box[dying] = Box{};
         collapse_edge(state.mesh, h, batch.point[i]);
-        state.vertex_distance[batch.moved[i]] = batch.moved_distance[i];
         take_over_faces(state, batch, i);
         break;
       case Verdict::conflict:

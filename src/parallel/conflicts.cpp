@@ -179,12 +179,16 @@ void reject_conflicts(const CageState& state, const TreeDevice& device, PatchBat
   patches.build(boxes, TreeQuality::fast_build);
   tbb::enumerable_thread_specific<std::vector<PatchPair>> found;
   self_join(patches, [&](std::uint32_t p, std::uint32_t q) {
-    if (!proved_apart(batch, p, q) && patches_meet(state, batch, p, q)) found.local().emplace_back(q, p);
+    if (proved_apart(batch, p, q) || !patches_meet(state, batch, p, q)) return;
+    const bool in_order = batch.candidate[p] < batch.candidate[q];
+    found.local().push_back(in_order ? PatchPair{q, p} : PatchPair{p, q});
   });
   std::vector<PatchPair> pairs;
   for (const auto& list : found) pairs.insert(pairs.end(), list.begin(), list.end());
-  // Higher patch first in each pair, so that ascending order decides lower patches before higher ones ask for them.
-  std::sort(pairs.begin(), pairs.end());
+  // By the higher one of each pair, so that lower patches are decided before higher ones ask for them.
+  std::sort(pairs.begin(), pairs.end(), [&](const PatchPair& a, const PatchPair& b) {
+    return batch.candidate[a.first] < batch.candidate[b.first];
+  });
   for (const auto& [higher, lower] : pairs)
     if (batch.alive(lower)) batch.verdict[higher] = Verdict::conflict;
 }

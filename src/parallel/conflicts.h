@@ -10,8 +10,8 @@ namespace prcage {
 // count: a patch must be valid whether or not the others are committed.
 void reject_hits_on_cage(const CageState& state, const TreeDevice& device, PatchBatch& batch);
 
-// Rejects of every two patches that meet the one with the higher key, in ascending order, so that the outcome is the
-// greedy one.
+// Rejects of every two patches that meet the one with the higher key, in the order of the keys, so that the outcome is
+// the greedy one.
 void reject_conflicts(const CageState& state, const TreeDevice& device, PatchBatch& batch);
 
 }  // namespace prcage

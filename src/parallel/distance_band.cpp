@@ -152,25 +152,28 @@ std::uint32_t DistanceBand::near_face(const Vec3& x) {
   return static_cast<std::uint32_t>(recent.face);
 }
 
-bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double tau, bool in_parts) {
+double DistanceBand::reach(const Vec3& a, const Vec3& b, const Vec3& c, double tau, bool in_parts) {
+  constexpr double unproved = std::numeric_limits<double>::infinity();
   // Depth first; each division replaces a piece by its halves across the longest edge, so the stack stays short.
   std::array<std::array<Vec3, 3>, 64> stack;
   std::size_t top = 0;
   stack[top++] = {a, b, c};
   // No two points within tau of one face are farther apart.
   const double widest = (2 * tau + widest_face_) * (2 * tau + widest_face_);
+  double squared_reach = 0;
   for (int pieces = 0; top > 0; ++pieces) {
-    if (pieces == max_pieces) return false;
+    if (pieces == max_pieces) return unproved;
     const std::array<Vec3, 3> piece = stack[--top];
     const auto& [p, q, r] = piece;
     const std::array<double, 3> length{(q - p).squaredNorm(), (r - q).squaredNorm(), (p - r).squaredNorm()};
     const auto i = static_cast<std::size_t>(std::max_element(length.begin(), length.end()) - length.begin());
     if (pieces == 0 ? !in_parts : length[i] <= widest) {
       const Proof proof = prove(piece, std::sqrt(length[i]), tau);
-      if (proof == Proof::refuted) return false;
-      if (proof == Proof::proved) continue;
+      if (proof.kind == Proof::refuted) return unproved;
+      squared_reach = std::max(squared_reach, proof.squared_reach);
+      if (proof.kind == Proof::proved) continue;
     }
-    if (length[i] < smallest_piece * smallest_piece * tau * tau || top + 2 > stack.size()) return false;
+    if (length[i] < smallest_piece * smallest_piece * tau * tau || top + 2 > stack.size()) return unproved;
     const Vec3& from = piece[i];
     const Vec3& to = piece[(i + 1) % 3];
     const Vec3& apex = piece[(i + 2) % 3];
@@ -178,22 +181,22 @@ bool DistanceBand::within(const Vec3& a, const Vec3& b, const Vec3& c, double ta
     stack[top++] = {middle, to, apex};
     stack[top++] = {from, middle, apex};
   }
-  return true;
+  return std::sqrt(squared_reach);
 }
 
 DistanceBand::Proof DistanceBand::prove(const std::array<Vec3, 3>& piece, double longest, double tau) {
   const Vec3 centre = (piece[0] + piece[1] + piece[2]) / 3;
-  const auto beside = [&](const TriangleDistance& face) {
-    return std::all_of(piece.begin(), piece.end(), [&](const Vec3& x) { return face.squared(x) <= tau * tau; });
-  };
   const std::uint32_t memo = near_face(centre);
   const TriangleDistance near = distance_from(memo);
-  if (beside(near)) return Proof::proved;
+  const double to_near = near.largest_squared(piece);
+  if (to_near <= tau * tau) return {Proof::proved, to_near};
   // The memo knows one face for all pieces in a voxel.
-  if (longest > voxel_size_ && near.squared(centre) <= tau * tau) return Proof::open;
+  if (longest > voxel_size_ && near.squared(centre) <= tau * tau) return {Proof::open};
   const Near found = nearest(centre, memo);
-  if (found.distance > tau) return Proof::refuted;
-  return found.face != memo && beside(distance_from(found.face)) ? Proof::proved : Proof::open;
+  if (found.distance > tau) return {Proof::refuted};
+  if (found.face == memo) return {Proof::open};
+  const double to_found = distance_from(found.face).largest_squared(piece);
+  return to_found <= tau * tau ? Proof{Proof::proved, to_found} : Proof{Proof::open};
 }
 
 void DistanceBand::set_voxel_size(double size) {

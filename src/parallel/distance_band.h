@@ -39,10 +39,11 @@ class DistanceBand {
   double distance_to_face(const Vec3& x, std::uint32_t face) const;
   TriangleDistance distance_from(std::uint32_t face) const;
 
-  // Is every point of triangle abc proved to be within `tau` of the input? The distance to one face is convex, so a
-  // piece whose corners are within tau of one common face is proved; other pieces are divided. `in_parts` says that
-  // the face near the centroid has been tried and leaves the answer open. Thread-safe.
-  bool within(const Vec3& a, const Vec3& b, const Vec3& c, double tau, bool in_parts = false);
+  // An upper bound of the distance of the points of triangle abc to the input, infinity if it is not proved to be at
+  // most tau. The distance to one face is convex, so a piece whose corners are within tau of one common face is proved;
+  // other pieces are divided. `in_parts` says that the face near the centroid has been tried and leaves the answer
+  // open. Thread-safe.
+  double reach(const Vec3& a, const Vec3& b, const Vec3& c, double tau, bool in_parts = false);
 
   // Voxel edge length for the queries to come; forgets what was remembered at another one. Not thread-safe.
   void set_voxel_size(double size);
@@ -53,7 +54,10 @@ class DistanceBand {
 
  private:
   struct Memo;  // keeps OpenVDB out of this header
-  enum class Proof { proved, open, refuted };
+  struct Proof {
+    enum Kind { proved, open, refuted } kind;
+    double squared_reach = 0;  // if proved
+  };
 
   Proof prove(const std::array<Vec3, 3>& piece, double longest, double tau);
 

@@ -13,8 +13,10 @@
 namespace prcage {
 namespace {
 
-// Voxels of the distance band per tau_k.
+// Voxels of the distance band per tau.
 constexpr double voxels_per_tau = 2;
+// So that rounding in distances cannot carry a proved point beyond tau.
+constexpr double below_one = 1 - 1e-12;
 // Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
@@ -34,6 +36,8 @@ class Engine {
     settings_.cost_scale = 1 / (context.diagonal * context.diagonal);
     settings_.float_positions = options.precision == Precision::float32;
     if (settings_.float_positions) settings_.absolute_margin = float_margin(state.mesh);
+    if (options.tau_mode == TauMode::strict) limits_.reach = context.tau * below_one;
+    context.band->set_voxel_size(context.tau / voxels_per_tau);
   }
 
   EngineOutcome run() {
@@ -71,9 +75,7 @@ class Engine {
     cycle.tau = beta * context_.tau;
     {
       const Stopwatch watch(cycle.seconds);
-      // An ulp below, so that rounding in distances cannot carry a proved point beyond tau_k.
-      settings_.band.tau = cycle.tau * (1 - 1e-12);
-      context_.band->set_voxel_size(cycle.tau / voxels_per_tau);
+      limits_.centroids = settings_.band.tau = cycle.tau * below_one;
       forget_costs(state_);
       report(Control::Stage::collapse, 0);
       while (!cancelled() && !budget_reached() && run_round(cycle)) {
@@ -108,9 +110,7 @@ class Engine {
       batch = build_collapses(state_, context_.frame, placed);
       test_patches_locally(state_, batch);
     });
-    timed(seconds.distance, [&] {
-      test_patches_against_band(state_, *context_.band, settings_.band.tau, context_.options->tau_mode, batch);
-    });
+    timed(seconds.distance, [&] { test_patches_against_band(state_, *context_.band, limits_, batch); });
     timed(seconds.collide, [&] {
       reject_hits_on_cage(state_, *context_.device, batch);
       reject_conflicts(state_, *context_.device, batch);
@@ -122,20 +122,15 @@ class Engine {
     return true;
   }
 
-  // The cheapest candidates go first when fewer are needed than there are.
   void limit_to_budget(PlacedCollapses& placed) const {
     const std::size_t budget = context_.options->face_budget;
-    if (budget == 0) return;
-    const std::size_t wanted = (state_.live_faces - budget + 1) / 2;
-    if (placed.candidate.size() <= wanted) return;
-    placed.candidate.resize(wanted);
-    placed.point.resize(wanted);
+    if (budget != 0) keep_cheapest(placed, (state_.live_faces - budget + 1) / 2);
   }
 
   void run_flips(CycleStatistics& cycle) {
     report(Control::Stage::flip, 0.95);
     timed(context_.statistics->seconds.flip, [&] {
-      const FlipSettings flips{settings_.band.tau, context_.options->tau_mode, context_.options->seed};
+      const FlipSettings flips{limits_, context_.options->seed};
       flip_edges(state_, flips, context_.frame, *context_.device, *context_.band, context_.control, cycle.counts);
     });
   }
@@ -158,6 +153,7 @@ class Engine {
   CageState& state_;
   const EngineContext& context_;
   PlacementSettings settings_;
+  BandLimits limits_;
   std::size_t cycle_ = 0;
   std::size_t cycles_ = 1;
 };

@@ -9,7 +9,6 @@
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
 #include "parallel/parallel_for.h"
-#include "parallel/patches.h"
 
 namespace prcage {
 namespace {
@@ -105,8 +104,8 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
     if (selected.empty()) return;
     PatchBatch batch = build_flips(state, frame, selected);
     test_patches_locally(state, batch);
-    test_patches_against_band(state, band, settings.tau, settings.mode, batch);
-    if (settings.mode == TauMode::paper) test_flips_at_samples(state, band, settings.tau, batch);
+    test_patches_against_band(state, band, settings.limits, batch);
+    test_flips_at_samples(state, band, settings.limits.centroids, batch);
     reject_hits_on_cage(state, device, batch);
     reject_conflicts(state, device, batch);
     block_rejected(state.mesh, batch, blocked);

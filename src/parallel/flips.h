@@ -3,13 +3,12 @@
 #pragma once
 
 #include "parallel/cage_state.h"
-#include "parallel/distance_band.h"
+#include "parallel/patches.h"
 
 namespace prcage {
 
 struct FlipSettings {
-  double tau = 0;  // of the cycle, input's unit
-  TauMode mode = TauMode::strict;
+  BandLimits limits;
   std::uint64_t seed = 0;
 };
 

@@ -214,10 +214,9 @@ std::uint32_t face_beside(const CornerTable& mesh, std::uint32_t f, std::size_t 
   return found < surface_faces ? found : 0;
 }
 
-double distance_to_face(const Mesh& surface, std::uint32_t face, const Vec3& x) {
+TriangleDistance distance_from(const Mesh& surface, std::uint32_t face) {
   const Triangle& t = surface.triangles[face];
-  const auto corner_at = [&](std::size_t i) { return vec(surface.positions[t[i]]); };
-  return std::sqrt(TriangleDistance(corner_at(0), corner_at(1), corner_at(2)).squared(x));
+  return {vec(surface.positions[t[0]]), vec(surface.positions[t[1]]), vec(surface.positions[t[2]])};
 }
 
 void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
@@ -226,21 +225,19 @@ void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
   state.live_faces = faces;
   state.face_distance.resize(faces);
   state.face_near.resize(faces);
+  state.face_reach.resize(faces);
   state.face_box.resize(faces);
   state.face_normal.resize(faces);
   forget_costs(state);
   parallel_each(faces, default_grain, [&](std::size_t f) {
     const Triangle& t = triangles_of(mesh)[f];
-    const Vec3 centroid = (mesh.vec_at(t[0]) + mesh.vec_at(t[1]) + mesh.vec_at(t[2])) / 3;
+    const std::array<Vec3, 3> corners{mesh.vec_at(t[0]), mesh.vec_at(t[1]), mesh.vec_at(t[2])};
     state.face_near[f] = face_beside(mesh, static_cast<std::uint32_t>(f), surface.triangles.size());
-    state.face_distance[f] = round_distance_up(distance_to_face(surface, state.face_near[f], centroid));
+    const TriangleDistance near = distance_from(surface, state.face_near[f]);
+    state.face_distance[f] = round_distance_up(std::sqrt(near.squared((corners[0] + corners[1] + corners[2]) / 3)));
+    state.face_reach[f] = round_distance_up(std::sqrt(near.largest_squared(corners)));
     state.face_box[f] = bounding_box(frame, {mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])});
     state.face_normal[f] = reliable_normal(mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2]));
-  });
-  state.vertex_distance.resize(mesh.vertex_slots());
-  parallel_each(mesh.vertex_slots(), default_grain, [&](std::size_t v) {
-    const std::uint32_t near = state.face_near[mesh.vertex_halfedge[v] / 3];
-    state.vertex_distance[v] = round_distance_up(distance_to_face(surface, near, vec(mesh.position[v])));
   });
 }
 

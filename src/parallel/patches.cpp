@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "core/patch_gap.h"
 #include "core/predicates.h"
 #include "core/projection.h"
 #include "parallel/parallel_for.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::size_t patch_grain = 16;
 // Share of tau below which a distance is near enough to the true one: eq. 4 loses at most this share of its room.
-constexpr double near_enough = 0.1;
+constexpr double near_enough = 0.25;
 
 // Offsets of consecutive runs of the given lengths, one more than there are runs.
 template <class Length>
@@ -31,7 +32,6 @@ PatchBatch empty_patches(const std::vector<Candidate>& selected) {
   batch.verdict.assign(selected.size(), Verdict::accepted);
   batch.unproved.assign(selected.size(), 1);
   batch.direction.assign(selected.size(), Vec3::Zero());
-  batch.moved_distance.assign(selected.size(), std::numeric_limits<float>::infinity());
   return batch;
 }
 
@@ -44,6 +44,7 @@ void allocate_faces(PatchBatch& batch) {
   batch.box.resize(triangles);
   batch.normal.resize(triangles);
   batch.near.resize(triangles);
+  batch.reach.resize(triangles);
 }
 
 // The star of an edge: the two faces that die first, then those around the origin, then those around the target.
@@ -144,45 +145,79 @@ DistanceBand::Near near_with_hint(const DistanceBand& band, const Vec3& x, std::
   return known.distance <= near_enough * tau ? known : band.nearest(x, hint);
 }
 
-// Is every point of the triangle within tau since its corners are well within it? A point is no farther from the corner
-// in which it has the largest barycentric coordinate than two thirds of the longest edge.
-bool within_by_corners(const std::array<Vec3, 3>& corner, double farthest, double tau) {
-  if (farthest >= tau) return false;
-  const double longest = std::max({(corner[1] - corner[0]).squaredNorm(), (corner[2] - corner[1]).squaredNorm(),
-                                   (corner[0] - corner[2]).squaredNorm()});
-  const double room = 1.5 * (tau - farthest);
-  return longest <= room * room * (1 - 1e-12);
+// Upper bound of the distance of a point of the patch to the faces that it replaces; infinity if unknown.
+double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+  if (batch.direction[i].isZero(0)) return std::numeric_limits<double>::infinity();
+  const std::uint32_t h = batch.candidate[i].halfedge;
+  const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+  const bool flip = batch.moved[i] == none;
+  const ViewAlong view(batch.direction[i], mesh.point(a));
+  GraphDisc before, after;
+  for (const std::uint32_t f : batch.removed_faces(i)) {
+    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
+    const std::array<Vec3, 3> p{view(mesh.point(v[0])), view(mesh.point(v[1])), view(mesh.point(v[2]))};
+    before.add_face(p[0], p[1], p[2]);
+    for (std::size_t k = 0; k < 3 && !flip; ++k)
+      if (v[k] == a || (v[k] == b && v[(k + 1) % 3] != a)) before.add_inner_edge(p[k], p[(k + 1) % 3]);
+  }
+  for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
+    const TriangleRef triangle = patch_triangle(mesh, batch, t);
+    const std::array<Vec3, 3> p{view(triangle.p[0]), view(triangle.p[1]), view(triangle.p[2])};
+    after.add_face(p[0], p[1], p[2]);
+    for (std::size_t k = 0; k < 3 && !flip; ++k)
+      if (triangle.v[k] == a) after.add_inner_edge(p[k], p[(k + 1) % 3]);
+  }
+  if (flip) {
+    before.add_inner_edge(view(mesh.point(a)), view(mesh.point(b)));
+    after.add_inner_edge(view(mesh.point(mesh.apex(h))), view(mesh.point(mesh.apex(mesh.twin[h]))));
+  } else {
+    for (const std::uint32_t v : {a, b}) before.add_inner_vertex(view(mesh.point(v)));
+    after.add_inner_vertex(view(batch.point[i].data()));
+  }
+  return largest_gap(before, after);
 }
 
-// The distance to one face is convex: a triangle whose corners are within tau of it is so as a whole.
-bool beside_face(const TriangleDistance& face, const std::array<Vec3, 3>& corner, double tau) {
-  return std::all_of(corner.begin(), corner.end(), [&](const Vec3& x) { return face.squared(x) <= tau * tau; });
+// Upper bound for all new faces of a patch, by what is known of the old ones.
+double inherited_reach(const CageState& state, const PatchBatch& batch, std::size_t i) {
+  float reach = 0;
+  for (const std::uint32_t f : batch.removed_faces(i)) reach = std::max(reach, state.face_reach[f]);
+  return reach + gap_to_removed(state.mesh, batch, i);
 }
 
-// Is new face t within tau for sure, and which input face is near its centroid? What the corners and the star know
-// answers while faces are small against tau; the band answers the rest.
-bool measure_face(const CageState& state, DistanceBand& band, double tau, TauMode mode, PatchBatch& batch,
+// Measures new face t: which input face is near its centroid, and how far is it from the input at most?
+void measure_face(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
                   std::size_t t) {
-  const std::size_t patch = batch.patch_of[t];
   const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
   const std::array<Vec3, 3> corners{corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
   const Vec3 centroid = (corners[0] + corners[1] + corners[2]) / 3;
-  std::array<double, 3> known;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::uint32_t v = batch.triangle[t][i];
-    known[i] = v == batch.moved[patch] ? batch.moved_distance[patch] : state.vertex_distance[v];
-  }
-  const DistanceBand::Near near = near_with_hint(band, centroid, state.face_near[batch.face[t]], tau);
-  batch.near[t] = near;
-  return mode == TauMode::paper || within_by_corners(corners, *std::max_element(known.begin(), known.end()), tau) ||
-         beside_face(band.distance_from(near.face), corners, tau) ||
-         band.within(corners[0], corners[1], corners[2], tau, near.distance <= tau);
+  const DistanceBand::Near near = near_with_hint(band, centroid, state.face_near[batch.face[t]], limits.centroids);
+  double& reach = batch.reach[t];
+  reach = std::min(reach, std::sqrt(band.distance_from(near.face).largest_squared(corners)));
+  if (reach > limits.reach)
+    reach = band.reach(corners[0], corners[1], corners[2], limits.reach, near.distance <= limits.reach);
+  batch.near[t] = {near.face, std::min(near.distance, reach)};
 }
 
-void measure_moved(const CageState& state, DistanceBand& band, double tau, PatchBatch& batch, std::size_t i) {
-  if (batch.moved[i] == none) return;
+// Is the vertex that moves out of reach for certain? Spares the measuring of faces that cannot be within it.
+bool moves_too_far(const CageState& state, const DistanceBand& band, const BandLimits& limits, const PatchBatch& batch,
+                   std::size_t i) {
+  if (batch.moved[i] == none) return false;
   const std::uint32_t hint = state.face_near[batch.removed_faces(i)[0]];
-  batch.moved_distance[i] = round_distance_up(near_with_hint(band, vec(batch.point[i]), hint, tau).distance);
+  return near_with_hint(band, vec(batch.point[i]), hint, limits.centroids).distance > limits.reach;
+}
+
+// Fills in `near` and `reach` of a patch; false if it is not proved to be within reach.
+bool measure_patch(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
+                   std::size_t i) {
+  const double reach = inherited_reach(state, batch, i);
+  if (reach > limits.reach && moves_too_far(state, band, limits, batch, i)) return false;
+  for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
+    batch.reach[t] = reach;
+    batch.near[t] = {state.face_near[batch.face[t]], reach};
+    if (reach > near_enough * limits.centroids) measure_face(state, band, limits, batch, t);
+    if (batch.reach[t] > limits.reach) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -245,21 +280,11 @@ void test_patches_locally(const CageState& state, PatchBatch& batch) {
   });
 }
 
-void test_patches_against_band(const CageState& state, DistanceBand& band, double tau, TauMode mode,
+void test_patches_against_band(const CageState& state, DistanceBand& band, const BandLimits& limits,
                                PatchBatch& batch) {
   // Few at a time: a large patch takes as long as thousands of small ones.
   parallel_each(batch.size(), 2, [&](std::size_t i) {
-    if (!batch.alive(i)) return;
-    measure_moved(state, band, tau, batch, i);
-    if (mode == TauMode::strict && batch.moved[i] != none && batch.moved_distance[i] > tau) {
-      batch.verdict[i] = Verdict::beyond_tau;
-      return;
-    }
-    for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
-      if (measure_face(state, band, tau, mode, batch, t)) continue;
-      batch.verdict[i] = Verdict::beyond_tau;
-      return;
-    }
+    if (batch.alive(i) && !measure_patch(state, band, limits, batch, i)) batch.verdict[i] = Verdict::beyond_tau;
   });
   band.absorb();
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,7 @@ enum class Verdict : std::uint8_t {
   conflict,       // meets a cheaper patch of the same round
 };
 
-// Patches in ascending order of their keys. Patch i replaces the faces removed[first_removed[i] ..) by the triangles
+// Patches, in the order of the candidates. Patch i replaces the faces removed[first_removed[i] ..) by the triangles
 // [first_face[i] ..); triangle t takes the number face[t] when the patch is committed.
 struct PatchBatch {
   std::vector<Candidate> candidate;
@@ -40,7 +41,7 @@ struct PatchBatch {
   std::vector<Box> box;                  // of each triangle
   std::vector<Normal> normal;            // of each triangle
   std::vector<DistanceBand::Near> near;  // of each triangle's centroid
-  std::vector<float> moved_distance;     // of each patch: upper bound of the distance of `point` to M
+  std::vector<double> reach;             // of each triangle: upper bound of the distance of its points to M
   std::vector<Vec3> direction;           // of each patch: unit vector that its faces and those it removes face, or zero
                                          // (condition 1 in core/projection.h)
   std::vector<std::uint8_t> unproved;    // of each patch: the projection does not prove it free of contacts
@@ -75,7 +76,13 @@ PatchBatch build_flips(const CageState& state, const UnitFrame& frame, const std
 // new face is degenerate; no patch meets itself. Sets `direction` where there is one.
 void test_patches_locally(const CageState& state, PatchBatch& batch);
 
-// Finds an input face near each new centroid. In strict mode rejects patches that are not proved to lie within tau.
-void test_patches_against_band(const CageState& state, DistanceBand& band, double tau, TauMode mode, PatchBatch& batch);
+// The band of a cycle.
+struct BandLimits {
+  double centroids = 0;                                    // tau_k: what eq. 4 grants the centroids of faces
+  double reach = std::numeric_limits<double>::infinity();  // what every point of the cage is proved to be within
+};
+
+// Finds an input face near each new centroid, and rejects patches that are not proved to be within reach.
+void test_patches_against_band(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch);
 
 }  // namespace prcage
