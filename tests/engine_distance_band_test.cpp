@@ -68,12 +68,13 @@ TEST(DistanceBand, NearestIsExactAndTheLowestAmongEquals) {
         std::vector<Vec3> points = points_about(input, 60, reach * stage.diagonal, 2);
         for (std::size_t v = 0; v < 20 && v < input.positions.size(); ++v) points.push_back(vec(input.positions[v]));
         for (const Vec3& x : points) {
-          DistanceBand::Near best{none, std::numeric_limits<double>::infinity()};
+          std::uint32_t face = none;
+          double squared = std::numeric_limits<double>::infinity();
           for (std::uint32_t f = 0; f < input.triangles.size(); ++f)
-            if (const double d = stage.band->distance_to_face(x, f); d < best.distance) best = {f, d};
+            if (const double d = stage.band->distance_from(f).squared(x); d < squared) face = f, squared = d;
           const DistanceBand::Near found = stage.band->nearest(x);
-          EXPECT_EQ(found.face, best.face);
-          EXPECT_EQ(found.distance, best.distance);
+          EXPECT_EQ(found.face, face);
+          EXPECT_EQ(found.distance, std::sqrt(squared));
         }
       }
     });

@@ -34,10 +34,7 @@ std::string defects_text(const InputMesh& input, int threads) {
 
 std::string pair_text(const CheckCommand& command, const InputMesh& input, const InputMesh& cage,
                       const Certificate& certificate) {
-  std::string text =
-      fmt::format("{}: cage of {} faces around {}, {} faces\n", input_name(cage.path), cage.file.mesh.triangles.size(),
-                  input_name(input.path), input.file.mesh.triangles.size());
-  text += certificate_text(certificate);
+  const std::string text = pair_headline(input, cage) + certificate_text(certificate);
   if (certificate.valid()) return text;
   return text + defects_text(cage, command.threads) + defects_text(input, command.threads);
 }

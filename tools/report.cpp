@@ -198,6 +198,51 @@ std::string displacement_text(const Statistics& statistics) {
   return joined(parts);
 }
 
+// ------------------------------------------------------------------------------------------------------ eval
+
+std::string conditions_text(const CageMeasures& measures) {
+  const PaperConditions conditions = paper_conditions(measures.certificate);
+  std::string text = fmt::format("conditions: {}\n", conditions.success() ? "all four hold" : "NOT ALL HOLD");
+  add_check(text, "no self-intersection", conditions.self_intersection_free,
+            pairs_note(measures.certificate.self_intersections));
+  add_check(text, "manifold", conditions.manifold);
+  add_check(text, "strictly encloses the input", conditions.strictly_encloses,
+            measures.input_closed ? pairs_note(measures.certificate.contacts)
+                                  : "the input is not a closed surface: nothing can be said");
+  add_check(text, "same Euler characteristic", conditions.topology_equal,
+            std::to_string(measures.certificate.euler_characteristic));
+  return text;
+}
+
+std::string deviation_text(const CageMeasures& measures) {
+  const SurfaceDeviation& out = measures.cage_to_input;
+  const SurfaceDeviation& in = measures.input_to_cage;
+  std::string text = fmt::format("distances, relative to the diagonal of {:.9g}\n", measures.diagonal);
+  add(text, "  {:<14} {:>13} {:>13} {:>13}\n", "", "cage to input", "input to cage", "both");
+  add(text, "  {:<14} {:>13.6f} {:>13.6f} {:>13.6f}\n", "Hausdorff", out.hausdorff, in.hausdorff, measures.hausdorff());
+  add(text, "  {:<14} {:>13.6f} {:>13.6f}\n", "mean", out.mean_distance, in.mean_distance);
+  add(text, "  {:<14} {:>9.3f} deg {:>9.3f} deg\n", "normals, mean", out.normal_deviation, in.normal_deviation);
+  if (!measures.violation) return text;
+  const ThicknessViolation& violation = *measures.violation;
+  add_line(text, "beyond tau",
+           fmt::format("of {:.6g}: at most {:.6g}, mean {:.6g}, {:.3f} % of the cage", violation.tau, violation.max,
+                       violation.mean, 100 * violation.fraction));
+  return text;
+}
+
+std::string sizes_text(const CageMeasures& measures) {
+  std::string text = "sizes\n";
+  add_line(text, "faces", fmt::format("{} -> {}", measures.input_faces, measures.cage_faces));
+  add_line(text, "volume ratio",
+           measures.volume_ratio ? fmt::format("{:.6f}", *measures.volume_ratio) : "not known: a mesh has no volume");
+  add_line(text, "area ratio", fmt::format("{:.6f}", measures.area_ratio));
+  const SmallestAngles& angles = measures.smallest_angle;
+  add_line(text, "least angle",
+           fmt::format("{:.6g} deg, 5th percentile {:.6g} deg, mean {:.6g} deg", angles.min, angles.fifth_percentile,
+                       angles.mean));
+  return text;
+}
+
 // ------------------------------------------------------------------------------------------------------ info
 
 std::string range_text(const ValueRange& range, const char* unit) {
@@ -238,6 +283,11 @@ std::string validation_details(const InputMesh& input, const Validation& validat
   return text;
 }
 
+std::string pair_headline(const InputMesh& input, const InputMesh& cage) {
+  return fmt::format("{}: cage of {} faces around {}, {} faces\n", input_name(cage.path),
+                     cage.file.mesh.triangles.size(), input_name(input.path), input.file.mesh.triangles.size());
+}
+
 std::string certificate_text(const Certificate& certificate) {
   std::string text = fmt::format("certificate: {}\n", certificate.valid() ? "valid" : "NOT VALID");
   add_check(text, "closed", certificate.closed);
@@ -253,6 +303,17 @@ std::string certificate_text(const Certificate& certificate) {
   add_check(text, "same number of components", certificate.component_count_equal,
             std::to_string(certificate.components));
   return text;
+}
+
+std::string evaluation_text(const InputMesh& input, const InputMesh& cage, const CageMeasures& measures) {
+  std::string text = pair_headline(input, cage) + conditions_text(measures);
+  if (measures.certificate.valid()) {
+    text += "certificate: valid\n";
+  } else {
+    text += certificate_text(measures.certificate);
+    add(text, "  where: prcage check {} --cage {}\n", input.path, cage.path);
+  }
+  return text + deviation_text(measures) + sizes_text(measures);
 }
 
 std::string run_text(const CageCommand& command, const InputMesh& input, const Result& result, double seconds) {

@@ -201,6 +201,47 @@ Json json_of(const MeshMeasures& measures) {
           PRCAGE_FIELD(measures, largest_angle)};
 }
 
+Json json_of(const PaperConditions& conditions) {
+  return {{"success", conditions.success()},
+          PRCAGE_FIELD(conditions, self_intersection_free),
+          PRCAGE_FIELD(conditions, manifold),
+          PRCAGE_FIELD(conditions, strictly_encloses),
+          PRCAGE_FIELD(conditions, topology_equal)};
+}
+
+Json json_of(const SurfaceDeviation& deviation) {
+  return {PRCAGE_FIELD(deviation, hausdorff), PRCAGE_FIELD(deviation, mean_distance),
+          PRCAGE_FIELD(deviation, normal_deviation)};
+}
+
+Json json_of(const ThicknessViolation& violation) {
+  return {PRCAGE_FIELD(violation, tau), PRCAGE_FIELD(violation, max), PRCAGE_FIELD(violation, mean),
+          PRCAGE_FIELD(violation, fraction)};
+}
+
+Json json_of(const SmallestAngles& angles) {
+  return {PRCAGE_FIELD(angles, min), PRCAGE_FIELD(angles, fifth_percentile), PRCAGE_FIELD(angles, mean)};
+}
+
+// What was not measured is null.
+Json json_of(const CageMeasures& measures) {
+  return {PRCAGE_FIELD(measures, input_closed),
+          PRCAGE_FIELD(measures, input_faces),
+          PRCAGE_FIELD(measures, cage_faces),
+          PRCAGE_FIELD(measures, diagonal),
+          {"hausdorff", measures.hausdorff()},
+          {"cage_to_input", json_of(measures.cage_to_input)},
+          {"input_to_cage", json_of(measures.input_to_cage)},
+          {"violation", measures.violation ? json_of(*measures.violation) : Json()},
+          {"volume_ratio", measures.volume_ratio ? Json(*measures.volume_ratio) : Json()},
+          PRCAGE_FIELD(measures, area_ratio),
+          {"smallest_angle", json_of(measures.smallest_angle)}};
+}
+
+Json json_of(const MeasureOptions& options) {
+  return {PRCAGE_FIELD(options, samples), PRCAGE_FIELD(options, seed), PRCAGE_FIELD(options, threads)};
+}
+
 #undef PRCAGE_FIELD
 
 }  // namespace
@@ -236,6 +277,19 @@ std::string certificate_json(const InputMesh& input, const InputMesh& cage, cons
   json["input"] = json_of(input);
   json["cage"] = json_of(cage);
   json["certificate"] = json_of(certificate);
+  return text_of(json);
+}
+
+std::string evaluation_json(const EvalCommand& command, const InputMesh& input, const InputMesh& cage,
+                            const CageMeasures& measures, double seconds) {
+  Json json = header();
+  json["options"] = json_of(command.options);
+  json["seconds"] = {{"total", input.seconds + cage.seconds + seconds}, {"measure", seconds}};
+  json["input"] = json_of(input);
+  json["cage"] = json_of(cage);
+  json["conditions"] = json_of(paper_conditions(measures.certificate));
+  json["certificate"] = json_of(measures.certificate);
+  json["measures"] = json_of(measures);
   return text_of(json);
 }
 

@@ -26,6 +26,8 @@ std::string run_json(const CageCommand& command, const InputMesh* input, const R
 
 std::string validation_json(const InputMesh& input, const Validation& validation);
 std::string certificate_json(const InputMesh& input, const InputMesh& cage, const Certificate& certificate);
+std::string evaluation_json(const EvalCommand& command, const InputMesh& input, const InputMesh& cage,
+                            const CageMeasures& measures, double seconds);
 std::string info_json(const InputMesh& input, const MeshMeasures& measures);
 
 }  // namespace prcage

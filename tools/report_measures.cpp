@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include <tbb/parallel_sort.h>
 #include <boost/pending/disjoint_sets.hpp>
 
+#include "core/angles.h"
 #include "core/vec3.h"
 
 namespace prcage {
@@ -106,9 +106,6 @@ std::size_t count_components(std::size_t vertex_count, const std::vector<bool>& 
   return roots;
 }
 
-// Angle between two sides in degrees; 0 if one of them has no length. atan2 is accurate for slivers, acos is not.
-double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi; }
-
 void measure_faces(const Mesh& mesh, const std::vector<Triangle>& triangles, MeshMeasures& measures) {
   ValueRangeOf smallest;
   const Vec3 origin = triangles.empty() ? Vec3::Zero() : vec(mesh.positions[triangles.front()[0]]);
@@ -118,9 +115,10 @@ void measure_faces(const Mesh& mesh, const std::vector<Triangle>& triangles, Mes
     const Vec3 r = vec(mesh.positions[triangle[2]]) - origin;
     measures.area += (q - p).cross(r - p).norm() / 2;
     measures.volume += p.dot(q.cross(r)) / 6;
-    const auto [low, high] = std::minmax({angle(q - p, r - p), angle(r - q, p - q), angle(p - r, q - r)});
-    smallest.add(low);
-    measures.largest_angle = std::max(measures.largest_angle, high);
+    const auto angles = corner_angles(p, q, r);
+    const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
+    smallest.add(*low);
+    measures.largest_angle = std::max(measures.largest_angle, *high);
   }
   measures.smallest_angle = smallest.range();
 }

@@ -80,6 +80,11 @@ const char* to_string(Control::Stage stage) {
   return "unknown";
 }
 
+PaperConditions paper_conditions(const Certificate& c) {
+  return {c.self_intersection_free, c.closed && c.manifold && c.oriented, c.no_contact && c.encloses,
+          c.euler_characteristic_equal};
+}
+
 Counts& Counts::operator+=(const Counts& o) {
   evaluated += o.evaluated;
   rejected_link += o.rejected_link;

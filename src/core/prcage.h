@@ -14,6 +14,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -142,6 +143,19 @@ struct Certificate {
            euler_characteristic_equal && component_count_equal;
   }
 };
+
+// The four conditions by which the paper counts a cage as a success (sec. 4.1), in terms of the certificate. The last
+// one is weaker than the certificate, which also compares the numbers of components.
+struct PaperConditions {
+  bool self_intersection_free = false;
+  bool manifold = false;           // closed and consistently oriented as well
+  bool strictly_encloses = false;  // no contact with the input
+  bool topology_equal = false;     // Euler characteristic
+
+  bool success() const { return self_intersection_free && manifold && strictly_encloses && topology_equal; }
+};
+
+PaperConditions paper_conditions(const Certificate& certificate);
 
 // ---------------------------------------------------------------------------------------------- options
 
@@ -293,6 +307,63 @@ struct Result {
   }
 };
 
+// --------------------------------------------------------------------------------------------- evaluation
+
+struct MeasureOptions {
+  // The thickness t of eq. 8, relative to l unless tau_absolute > 0, which is in the input's unit and then takes
+  // precedence. 0 both: the violation of a thickness is not measured.
+  double tau = 0;
+  double tau_absolute = 0;
+
+  std::size_t samples = 100000;  // points on each surface, at least one
+  std::uint64_t seed = 0;        // of the points
+  int threads = 0;               // as in Options
+};
+
+// How far a surface is from another one, seen from points of the first. Means are over the samples, that is, over the
+// area; the Hausdorff distance also looks at every vertex and at the middle of every edge. Distances are relative to l.
+struct SurfaceDeviation {
+  double hausdorff = 0;  // one-sided, a lower bound of the true one
+  double mean_distance = 0;
+  double normal_deviation = 0;  // mean angle between the face at the point and the closest face, degrees
+};
+
+// By how much the cage is farther from the input than tau: max(d(x, M) - tau, 0), eq. 8. Relative to l.
+struct ThicknessViolation {
+  double tau = 0;
+  double max = 0;       // over samples, vertices and middles of edges of the cage
+  double mean = 0;      // over the area of the cage
+  double fraction = 0;  // of the area of the cage that is beyond tau
+};
+
+struct SmallestAngles {
+  double min = 0;
+  double fifth_percentile = 0;
+  double mean = 0;
+};
+
+// The measures of the paper's sec. 4 of a cage around an input.
+struct CageMeasures {
+  Status status = Status::internal_error;  // ok, invalid_options or invalid_input: one of the meshes
+  std::string message;                     // empty if ok; one sentence for people otherwise, and nothing is measured
+
+  Certificate certificate;    // all false unless both meshes can be measured
+  bool input_closed = false;  // and consistently oriented: otherwise nothing can be inside of it or around it
+  std::size_t input_faces = 0;
+  std::size_t cage_faces = 0;
+  double diagonal = 0;  // l, input's unit
+  SurfaceDeviation cage_to_input;
+  SurfaceDeviation input_to_cage;
+  std::optional<ThicknessViolation> violation;  // if tau was given
+  std::optional<double> volume_ratio;           // cage to input, if both are closed and the input has a volume
+  double area_ratio = 0;                        // cage to input
+  SmallestAngles smallest_angle;                // over the faces of the cage, degrees
+
+  double hausdorff() const {  // in both directions
+    return cage_to_input.hausdorff > input_to_cage.hausdorff ? cage_to_input.hausdorff : input_to_cage.hausdorff;
+  }
+};
+
 // ---------------------------------------------------------------------------------------------- functions
 
 // Checks with exact predicates whether a mesh is a legal input: closed, manifold, consistently and outwardly
@@ -302,6 +373,11 @@ Validation validate(const MeshView& input, int threads = 0);
 // Certifies a cage against an input from scratch. Both must have indices in range and finite positions;
 // anything else is answered by a certificate that is not valid.
 Certificate certify(const MeshView& input, const MeshView& cage, int threads = 0);
+
+// Measures a cage as the paper does: certificate, distances, normals, thickness, sizes, angles. Neither mesh needs to
+// be legal: both must have faces on three existing vertices each, finite positions and some area; unreferenced vertices
+// do not count. The same samples are drawn for the same meshes, number and seed.
+CageMeasures measure_cage(const MeshView& input, const MeshView& cage, const MeasureOptions& options = {});
 
 // Makes a cage. `control` may be null.
 Result make_cage(const MeshView& input, const Options& options = {}, Control* control = nullptr);

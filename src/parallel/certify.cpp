@@ -14,16 +14,6 @@ bool names_vertices(const Mesh& mesh, const Triangle& t) {
          t[1] != t[2] && t[2] != t[0];
 }
 
-// Can the questions of the certificate be asked at all? On success `used` is the mesh without unreferenced vertices.
-bool well_formed(const Mesh& mesh, SubMesh& used) {
-  if (mesh.triangles.empty()) return false;
-  for (const Triangle& t : mesh.triangles)
-    if (!names_vertices(mesh, t)) return false;
-  used = select_faces(mesh.positions, mesh.triangles);
-  return std::all_of(used.mesh.positions.begin(), used.mesh.positions.end(), within_limits) &&
-         extent(used.mesh.positions).diagonal() >= smallest_diagonal;
-}
-
 struct Topology {
   EdgeGroups edges;
   EdgeDefects defects;
@@ -68,6 +58,15 @@ bool encloses(const TreeDevice& device, const Enclosed& input, const SurfaceTree
 
 }  // namespace
 
+bool well_formed(const Mesh& mesh, SubMesh& used) {
+  if (mesh.triangles.empty()) return false;
+  for (const Triangle& t : mesh.triangles)
+    if (!names_vertices(mesh, t)) return false;
+  used = select_faces(mesh.positions, mesh.triangles);
+  return std::all_of(used.mesh.positions.begin(), used.mesh.positions.end(), within_limits) &&
+         extent(used.mesh.positions).diagonal() >= smallest_diagonal;
+}
+
 Enclosed enclosed(const CheckedMesh& input) {
   const SubMesh& surface = input.valid.surface;
   return {&input.valid.tree, true, input.validation.components, input.validation.euler_characteristic,
@@ -104,8 +103,6 @@ Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const 
   return certificate;
 }
 
-namespace {
-
 Certificate certify_meshes(const Mesh& input, const Mesh& cage) {
   SubMesh used;
   if (!well_formed(input, used)) return {};
@@ -120,8 +117,6 @@ Certificate certify_meshes(const Mesh& input, const Mesh& cage) {
                        component_points(positions, triangles, t.components)},
                       cage);
 }
-
-}  // namespace
 
 Certificate certify(const MeshView& input, const MeshView& cage, int threads) {
   Certificate certificate;

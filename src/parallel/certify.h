@@ -17,6 +17,10 @@
 
 namespace prcage {
 
+// Can the questions of the certificate be asked at all: are there faces, do they name three existing vertices each, are
+// these finite and within the limits? On success `used` is the mesh without unreferenced vertices.
+bool well_formed(const Mesh& mesh, SubMesh& used);
+
 // What a cage is certified against. Borrows the tree.
 struct Enclosed {
   const SurfaceTree* surface = nullptr;
@@ -30,5 +34,8 @@ struct Enclosed {
 Enclosed enclosed(const CheckedMesh& input);
 
 Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const Mesh& cage);
+
+// Behind certify(): against any input, legal or not.
+Certificate certify_meshes(const Mesh& input, const Mesh& cage);
 
 }  // namespace prcage

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <vector>
 
-#include "core/adjacency.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -32,26 +31,6 @@ std::size_t slot(const openvdb::Coord& voxel) {
                    static_cast<std::uint32_t>(voxel.y()) * 19349663u ^
                    static_cast<std::uint32_t>(voxel.z()) * 83492791u;
   return (mix ^ (mix >> 15)) % recent_slots;
-}
-
-struct NearestQuery {
-  const DistanceBand* band;
-  Vec3 x;
-  double scale;  // of the frame of the tree
-  DistanceBand::Near best;
-};
-
-// A little too large, so that faces at equal distance are all seen and the lowest wins.
-float search_radius(double distance, double scale) { return static_cast<float>(distance * scale) * 1.00001f + 1e-6f; }
-
-// Embree calls this for faces whose box may be within the radius, which shrinks as better faces turn up.
-bool visit_face(RTCPointQueryFunctionArguments* args) {
-  auto& query = *static_cast<NearestQuery*>(args->userPtr);
-  const double d = query.band->distance_to_face(query.x, args->primID);
-  if (d > query.best.distance || (d == query.best.distance && args->primID > query.best.face)) return false;
-  query.best = {args->primID, d};
-  args->query->radius = search_radius(d, query.scale);
-  return true;
 }
 
 using Tree = openvdb::Int32Tree;
@@ -81,7 +60,7 @@ struct DistanceBand::Memo {
 
 DistanceBand::DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles,
                            const UnitFrame& frame, const BoxTree& tree)
-    : positions_(positions), triangles_(triangles), frame_(frame), tree_(&tree), memo_(std::make_unique<Memo>()) {
+    : closest_(positions, triangles, frame, tree), frame_(frame), memo_(std::make_unique<Memo>()) {
   widest_face_ = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, triangles.size(), default_grain), 0.0,
       [&](const tbb::blocked_range<std::size_t>& range, double widest) {
@@ -99,34 +78,6 @@ DistanceBand::DistanceBand(std::span<const Position> positions, std::span<const 
 DistanceBand::~DistanceBand() = default;
 
 std::uint64_t DistanceBand::voxels_filled() const { return memo_->filled; }
-
-TriangleDistance DistanceBand::distance_from(std::uint32_t face) const {
-  const Triangle& t = triangles_[face];
-  return {vec(positions_[t[0]]), vec(positions_[t[1]]), vec(positions_[t[2]])};
-}
-
-double DistanceBand::distance_to_face(const Vec3& x, std::uint32_t face) const {
-  return std::sqrt(distance_from(face).squared(x));
-}
-
-DistanceBand::Near DistanceBand::nearest(const Vec3& x, std::uint32_t hint) const {
-  const Vec3 y = (x - frame_.centre) * frame_.scale;
-  RTCPointQuery query;
-  query.x = static_cast<float>(y.x());
-  query.y = static_cast<float>(y.y());
-  query.z = static_cast<float>(y.z());
-  query.time = 0;
-  query.radius = std::numeric_limits<float>::infinity();
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  NearestQuery state{this, x, frame_.scale, {none, std::numeric_limits<double>::infinity()}};
-  if (hint != none) {
-    state.best = {hint, distance_to_face(x, hint)};
-    query.radius = search_radius(state.best.distance, frame_.scale);
-  }
-  rtcPointQuery(tree_->scene(), &query, &context, visit_face, &state);
-  return state.best;
-}
 
 DistanceBand::Near DistanceBand::near(const Vec3& x) {
   const std::uint32_t face = near_face(x);

@@ -13,8 +13,7 @@
 #include <memory>
 #include <span>
 
-#include "core/distance.h"
-#include "parallel/box_tree.h"
+#include "parallel/closest_face.h"
 
 namespace prcage {
 
@@ -25,19 +24,15 @@ class DistanceBand {
                const BoxTree& tree);
   ~DistanceBand();
 
-  // A face of the input and the distance from the query point to it.
-  struct Near {
-    std::uint32_t face;
-    double distance;
-  };
+  using Near = ClosestFace::Near;
 
   // A face near x by the memo: an upper bound of the distance, at most voxel diagonal too large. Thread-safe.
   Near near(const Vec3& x);
   std::uint32_t near_face(const Vec3& x);
   // The nearest face, lowest number among equals; a face that is near already saves time. Thread-safe.
-  Near nearest(const Vec3& x, std::uint32_t hint = 0xffffffffu) const;
-  double distance_to_face(const Vec3& x, std::uint32_t face) const;
-  TriangleDistance distance_from(std::uint32_t face) const;
+  Near nearest(const Vec3& x, std::uint32_t hint = none) const { return closest_.nearest(x, hint); }
+  double distance_to_face(const Vec3& x, std::uint32_t face) const { return closest_.distance_to_face(x, face); }
+  TriangleDistance distance_from(std::uint32_t face) const { return closest_.distance_from(face); }
 
   // An upper bound of the distance of the points of triangle abc to the input, infinity if it is not proved to be at
   // most tau. The distance to one face is convex, so a piece whose corners are within tau of one common face is proved;
@@ -61,10 +56,8 @@ class DistanceBand {
 
   Proof prove(const std::array<Vec3, 3>& piece, double longest, double tau);
 
-  std::span<const Position> positions_;
-  std::span<const Triangle> triangles_;
+  ClosestFace closest_;
   UnitFrame frame_;
-  const BoxTree* tree_;
   double voxel_size_ = 1;
   double widest_face_ = 0;  // longest edge of the input
   std::unique_ptr<Memo> memo_;

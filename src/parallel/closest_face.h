@@ -1,0 +1,41 @@
+// The closest face of a surface. Embree finds the candidates by their boxes in single precision; every candidate is
+// measured in double precision, and ties go to the lowest face, so that the answer depends on nothing but the surface.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/adjacency.h"
+#include "core/distance.h"
+#include "parallel/box_tree.h"
+
+namespace prcage {
+
+class ClosestFace {
+ public:
+  // A face of the surface and the distance from the query point to it.
+  struct Near {
+    std::uint32_t face;
+    double distance;
+  };
+
+  // The surface and the tree over its faces' boxes in `frame` must outlive this. Points far outside of the frame's
+  // scene are beyond single precision.
+  ClosestFace(std::span<const Position> positions, std::span<const Triangle> triangles, const UnitFrame& frame,
+              const BoxTree& tree)
+      : positions_(positions), triangles_(triangles), frame_(frame), tree_(&tree) {}
+
+  // A face that is near already saves time and does not change the answer. Thread-safe.
+  Near nearest(const Vec3& x, std::uint32_t hint = none) const;
+
+  double distance_to_face(const Vec3& x, std::uint32_t face) const;
+  TriangleDistance distance_from(std::uint32_t face) const;
+
+ private:
+  std::span<const Position> positions_;
+  std::span<const Triangle> triangles_;
+  UnitFrame frame_;
+  const BoxTree* tree_;
+};
+
+}  // namespace prcage
