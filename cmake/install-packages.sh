@@ -8,7 +8,7 @@ set -eu
 packages="g++ cmake ninja-build pkg-config
   libtbb-dev libembree-dev libopenvdb-dev libeigen3-dev libxsimd-dev
   libcgal-dev libboost-dev libgmp-dev libmpfr-dev
-  libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libxxhash-dev libgtest-dev libgmock-dev"
+  libcli11-dev nlohmann-json3-dev libfmt-dev libsqlite3-dev libpng-dev libxxhash-dev libgtest-dev libgmock-dev"
 case "${1-}" in
   "") ;;
   checks) packages="$packages clang-format clang-tidy dpkg-dev ccache

@@ -1,11 +1,5 @@
 // The program as people and scripts use it: run as a process, judged by its exit code, its two output streams and
 // the files that it leaves.
-#include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -14,7 +8,6 @@
 #include <iterator>
 #include <sstream>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -26,6 +19,7 @@
 #include "core/prcage.h"
 #include "core/schedule.h"
 #include "io/mesh_file.h"
+#include "program.h"
 #include "tools/cli_options.h"
 #include "tools/exit_codes.h"
 #include "tools/report_measures.h"
@@ -41,59 +35,11 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
 
-std::string contents(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-// A program under way. Its streams are files, so that it can never block on a pipe that nobody reads.
-class Process {
- public:
-  Process(std::vector<std::string> arguments, const std::string& in, const std::string& out, const std::string& err) {
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, in.c_str(), O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    arguments.insert(arguments.begin(), PRCAGE_PROGRAM);
-    std::vector<char*> pointers;
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    pointers.push_back(nullptr);
-    const int error = posix_spawn(&id_, PRCAGE_PROGRAM, &actions, nullptr, pointers.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw std::system_error(error, std::generic_category(), PRCAGE_PROGRAM);
-  }
-
-  void send(int signal) const { kill(id_, signal); }
-
-  // The exit code, or minus the number of the signal that ended the process.
-  int wait() {
-    int status = 0;
-    waitpid(id_, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-
-  // Sends a signal again and again: two that are pending at once would count as one.
-  int wait_sending(int signal) {
-    siginfo_t ended{};
-    while (waitid(P_PID, static_cast<id_t>(id_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0) {
-      send(signal);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return wait();
-  }
-
- private:
-  pid_t id_ = 0;
-};
-
 struct Outcome {
   int code = 0;
   std::string out;
   std::string err;
 };
-
-constexpr int code(ExitCode exit_code) { return static_cast<int>(exit_code); }
 
 // Cube with the corners 0 and 1: 12 faces, counterclockwise seen from outside.
 Mesh cube() {
@@ -217,11 +163,12 @@ TEST_F(Cli, UsageLinesShowWhatIsRequired) {
   EXPECT_THAT(run({"help", "check"}).out, HasSubstr("       prcage check INPUT --cage FILE [OPTIONS]\n"));
   EXPECT_THAT(run({"help", "make"}).out, AllOf(HasSubstr("Usage: prcage make SHAPE --faces N -o OUTPUT [OPTIONS]\n"),
                                                HasSubstr("       prcage make --list\n")));
+  EXPECT_THAT(run({"help", "eval"}).out, HasSubstr("Usage: prcage eval INPUT CAGE [OPTIONS]\n"));
   EXPECT_THAT(run({"help", "render"}).out, HasSubstr("Usage: prcage render INPUT [CAGE] -o OUTPUT [OPTIONS]\n"));
 }
 
 TEST_F(Cli, HelpIsFreeOfTheParsersOwnNotation) {
-  for (const char* command : {"cage", "check", "info", "make", "render", "help"}) {
+  for (const char* command : {"cage", "check", "eval", "info", "make", "render", "batch", "merge", "help"}) {
     EXPECT_THAT(run({"help", command}).out, AllOf(Not(HasSubstr("REQUIRED")), Not(HasSubstr("Excludes")),
                                                   Not(HasSubstr("INT")), Not(HasSubstr("TEXT"))))
         << command;
@@ -253,7 +200,7 @@ TEST_F(Cli, EachHelpListsTheExitCodesOfItsCommand) {
   const std::string make = run({"help", "make"}).out;
   for (const ExitCode exit_code : all_exit_codes) {
     EXPECT_TRUE(listed(all, exit_code)) << code(exit_code);
-    EXPECT_TRUE(listed(cage, exit_code)) << code(exit_code);
+    EXPECT_EQ(listed(cage, exit_code), exit_code != ExitCode::some_failed) << code(exit_code);
   }
   EXPECT_TRUE(listed(make, ExitCode::cannot_write));
   EXPECT_FALSE(listed(make, ExitCode::cannot_read));
@@ -408,8 +355,12 @@ TEST_F(Cli, WhatCannotBeWrittenIsSaidBeforeTheRun) {
 TEST_F(Cli, AFullStandardOutputIsAWriteError) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
   const std::string in = file("in.ply", cube());
-  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"info", in}, {"check", in, "--json"}, {"make", "--list"}, {"cage", in, "-o", "-", "--format", "obj"}}) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"info", in},
+                                             {"check", in, "--json"},
+                                             {"eval", in, in},
+                                             {"make", "--list"},
+                                             {"cage", in, "-o", "-", "--format", "obj"}}) {
     EXPECT_EQ(Process(arguments, "/dev/null", "/dev/full", path("stderr")).wait(), code(ExitCode::cannot_write));
     EXPECT_THAT(contents(path("stderr")), HasSubstr("standard output")) << testing::PrintToString(arguments);
   }
@@ -554,6 +505,102 @@ TEST_F(Cli, CheckOfAPairSaysWhatIsWrongWithTheCage) {
   EXPECT_EQ(outcome.code, code(ExitCode::no_cage));
   EXPECT_THAT(outcome.out,
               AllOf(HasSubstr("NOT VALID"), HasSubstr("open.ply: not a valid input"), HasSubstr("3 boundary edges")));
+}
+
+// ----------------------------------------------------------------------------------------------------- eval
+
+Mesh cube_from(double low, double high) {
+  Mesh mesh = cube();
+  for (auto& p : mesh.positions) {
+    for (double& x : p) x = low + (high - low) * x;
+  }
+  return mesh;
+}
+
+TEST_F(Cli, EvalPrintsATableForPeople) {
+  const std::string in = file("in.ply", cube());
+  const Outcome outcome = run({"eval", in, file("cage.obj", cube_from(-0.25, 1.25)), "--tau", "1/10"});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok));
+  EXPECT_THAT(outcome.err, IsEmpty());
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("cage.obj: cage of 12 faces around "), HasSubstr("in.ply, 12 faces\n"),
+                                 HasSubstr("conditions: all four hold\n"), HasSubstr("certificate: valid\n")));
+  EXPECT_THAT(outcome.out, AllOf(ContainsRegex("Hausdorff +0.250000 +0.144338 +0.250000\n"),
+                                 ContainsRegex("beyond tau +of 0.1: at most 0.15, mean "),
+                                 ContainsRegex("volume ratio +3.375000\n"), ContainsRegex("area ratio +2.250000\n"),
+                                 ContainsRegex("least angle +45 deg, 5th percentile 45 deg, mean 45 deg\n")));
+  EXPECT_THAT(run({"eval", in, path("cage.obj")}).out, Not(HasSubstr("beyond tau")));
+}
+
+TEST_F(Cli, EvalWritesJsonBesideTheTableOrInsteadOfIt) {
+  const std::string in = file("in.ply", cube());
+  const std::string cage = file("cage.ply", cube_from(-0.25, 1.25));
+  const std::vector<std::string> arguments{"eval", in, cage, "--samples", "5000", "--seed", "3", "--threads", "2"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = arguments;
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  };
+  EXPECT_THAT(with({"--json", path("report.json")}).out, HasSubstr("conditions: all four hold"));
+  const json report = stats("report.json");
+  EXPECT_EQ(report["schema"], 1);
+  EXPECT_EQ(report["options"]["samples"], 5000);
+  EXPECT_EQ(report["options"]["seed"], 3);
+  EXPECT_EQ(report["cage"]["path"], cage);
+  EXPECT_EQ(report["conditions"]["success"], true);
+  EXPECT_EQ(report["certificate"]["valid"], true);
+  EXPECT_DOUBLE_EQ(report["measures"]["hausdorff"], 0.25);
+  EXPECT_DOUBLE_EQ(report["measures"]["diagonal"], std::sqrt(3.0));
+  EXPECT_EQ(report["measures"]["violation"], nullptr);
+
+  const json printed = json::parse(with({"--json", "-", "--tau-abs", "0.3"}).out);
+  EXPECT_EQ(printed["measures"]["cage_to_input"], report["measures"]["cage_to_input"]);
+  EXPECT_EQ(printed["measures"]["input_to_cage"], report["measures"]["input_to_cage"]);
+  EXPECT_DOUBLE_EQ(printed["measures"]["violation"]["tau"], 0.3 / std::sqrt(3.0));
+}
+
+TEST_F(Cli, EvalOfWhatIsNoCageMeasuresItAllTheSame) {
+  const std::string in = file("in.ply", cube());
+  const Outcome inside = run({"eval", in, file("inside.ply", cube_from(0.25, 0.75))});
+  EXPECT_EQ(inside.code, code(ExitCode::no_cage));
+  EXPECT_THAT(inside.out,
+              AllOf(HasSubstr("conditions: NOT ALL HOLD"), ContainsRegex("strictly encloses the input +NO\n"),
+                    HasSubstr("certificate: NOT VALID"), ContainsRegex("volume ratio +0.125000\n")));
+  EXPECT_THAT(inside.out, HasSubstr("prcage check " + in + " --cage " + path("inside.ply")));
+
+  Mesh open = cube();
+  open.triangles.pop_back();
+  const Outcome around_open = run({"eval", file("open.ply", open), file("cage.ply", cube_from(-0.25, 1.25))});
+  EXPECT_EQ(around_open.code, code(ExitCode::no_cage));
+  EXPECT_THAT(around_open.out, AllOf(HasSubstr("the input is not a closed surface: nothing can be said"),
+                                     ContainsRegex("Hausdorff +0.250000 "), ContainsRegex("volume ratio +not known")));
+  const json report = json::parse(run({"eval", path("open.ply"), path("cage.ply"), "--json", "-"}).out);
+  EXPECT_EQ(report["measures"]["input_closed"], false);
+  EXPECT_EQ(report["measures"]["volume_ratio"], nullptr);
+}
+
+TEST_F(Cli, EvalRefusesWhatCannotBeMeasured) {
+  const std::string in = file("in.ply", cube());
+  Mesh broken = cube();
+  broken.positions[0][0] = NAN;
+  const Outcome outcome = run({"eval", in, file("broken.off", broken), "--json", path("report.json")});
+  EXPECT_EQ(outcome.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(outcome.out, IsEmpty());
+  EXPECT_THAT(outcome.err,
+              AllOf(HasSubstr("broken.off"), HasSubstr("the cage cannot be measured"), HasSubstr("prcage check")));
+  EXPECT_FALSE(exists("report.json"));
+  EXPECT_EQ(run({"eval", in, path("nowhere.ply")}).code, code(ExitCode::cannot_read));
+  EXPECT_EQ(run({"eval", path("nowhere.ply"), in}).code, code(ExitCode::cannot_read));
+  EXPECT_EQ(run({"eval", in, in, "--json", path("nowhere/report.json")}).code, code(ExitCode::cannot_write));
+}
+
+TEST_F(Cli, EvalChecksItsOptionsBeforeItReads) {
+  const std::string in = path("nowhere.ply");
+  expect_usage_error({"eval", in}, "CAGE");
+  expect_usage_error({"eval", "-", "-"}, "CAGE");
+  expect_usage_error({"eval", in, in, "--samples", "0"}, "from 1 to 1000000000\n");
+  expect_usage_error({"eval", in, in, "--tau", "2"}, "at most 1\n");
+  expect_usage_error({"eval", in, in, "--tau", "1/40", "--tau-abs", "1"}, "--tau");
+  expect_usage_error({"eval", in, in, "--seed", "-1"}, "--seed");
 }
 
 // ----------------------------------------------------------------------------------------------------- cage

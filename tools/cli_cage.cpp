@@ -47,7 +47,7 @@ class CageRun {
     try {
       record_.exit_code = read_make_write();
     } catch (const std::bad_alloc&) {
-      record_.exit_code = fail(to_string(Status::internal_error), "not enough memory", ExitCode::internal_error);
+      record_.exit_code = fail(to_string(Status::internal_error), out_of_memory_text, ExitCode::internal_error);
       print_error(record_.message);
     }
     record_.total_seconds = timer_.seconds();
@@ -85,7 +85,9 @@ class CageRun {
       // Said when Ctrl-C starts to mean "stop with what you have", not before.
       fmt::print(stderr, "{}: {} vertices, {} faces\n", input_name(command_.input), input_.file.mesh.positions.size(),
                  input_.file.mesh.triangles.size());
-      if (isatty(STDERR_FILENO) != 0) bar.emplace(control, cycles());
+      if (isatty(STDERR_FILENO) != 0) {
+        bar.emplace([this, &control](double seconds) { return progress_line(control, cycles(), seconds); });
+      }
     }
     result_ = make_cage(input_.file.mesh, command_.options, &control);
     distrust_without_certificate();

@@ -8,8 +8,11 @@ namespace prcage {
 
 ExitCode run(const CageCommand& command);
 ExitCode run(const CheckCommand& command);
+ExitCode run(const EvalCommand& command);
 ExitCode run(const InfoCommand& command);
 ExitCode run(const MakeCommand& command);
 ExitCode run(const RenderCommand& command);
+ExitCode run(const BatchCommand& command);
+ExitCode run(const MergeCommand& command);
 
 }  // namespace prcage

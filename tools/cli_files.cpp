@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 #include <new>
 #include <vector>
@@ -68,6 +67,10 @@ std::string input_name(const std::string& path) { return path == "-" ? "standard
 std::string output_name(const std::string& path) { return path == "-" ? "standard output" : path; }
 
 void print_error(const std::string& message) { fmt::print(stderr, "prcage: error: {}\n", message); }
+
+void print_error(const std::filesystem::filesystem_error& error) {
+  print_error(fmt::format("{}: {}", error.path1().string(), error.code().message()));
+}
 
 ExitCode write_text(const std::string& path, const std::string& text) {
   return path == "-" ? print_text(text) : outcome(write_file(path, text.data(), text.size()));

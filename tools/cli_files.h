@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "core/prcage.h"
@@ -40,6 +41,9 @@ std::string output_name(const std::string& path);
 
 // "error: ..." on standard error, under the name of the program.
 void print_error(const std::string& message);
+
+// The same about what the standard library could not do to a file.
+void print_error(const std::filesystem::filesystem_error& error);
 
 // Writes text to a file as a whole or not at all, or to standard output if `path` is "-".
 ExitCode write_text(const std::string& path, const std::string& text);

@@ -22,7 +22,7 @@ constexpr const char* libraries_text =
     "Licence: Apache-2.0. Nothing that it links requires the GPL. Libraries:\n"
     "  CGAL kernel (LGPL-3.0-or-later), GMP and MPFR (LGPL-3.0-or-later), Embree (Apache-2.0), oneTBB (Apache-2.0),\n"
     "  OpenVDB (MPL-2.0), Eigen (MPL-2.0), Boost (BSL-1.0), xsimd (BSD-3-Clause), {fmt} (MIT), CLI11 (BSD-3-Clause),\n"
-    "  JSON for Modern C++ (MIT), xxHash (BSD-2-Clause), zlib (Zlib), libpng (libpng-2.0)";
+    "  JSON for Modern C++ (MIT), xxHash (BSD-2-Clause), SQLite (public domain), zlib (Zlib), libpng (libpng-2.0)";
 
 std::string version_text() { return fmt::format("prcage {}\n{}", version(), libraries_text); }
 
@@ -88,15 +88,16 @@ void add_degrees(CLI::App& app, const std::string& name, double& value, double m
   app.add_option_function<std::string>(name, parse, help)->type_name("DEGREES");
 }
 
-void add_format(CLI::App& app, std::optional<MeshFormat>& format) {
+CLI::Option* add_format(CLI::App& app, std::optional<MeshFormat>& format) {
   const auto parse = [&format](const std::string& name) {
     if (!parse_mesh_format(name, format.emplace())) {
       throw CLI::ValidationError("--format", fmt::format("no such format '{}'", name));
     }
   };
-  app.add_option_function<std::string>("--format", parse,
-                                       "Format to write: ply, ply-ascii, obj, stl, stl-ascii, off\n"
-                                       "[by the extension of the output]")
+  return app
+      .add_option_function<std::string>("--format", parse,
+                                        "Format to write: ply, ply-ascii, obj, stl, stl-ascii, off\n"
+                                        "[by the extension of the output]")
       ->type_name("NAME");
 }
 
@@ -106,8 +107,8 @@ void add_threads(CLI::App& app, int& threads) {
 }
 
 // The parser would accept "--quiet=maybe" and pass over the value.
-void add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& help) {
-  app.add_flag(name, value, help)->disable_flag_override();
+CLI::Option* add_flag(CLI::App& app, const std::string& name, bool& value, const std::string& help) {
+  return app.add_flag(name, value, help)->disable_flag_override();
 }
 
 void add_weld(CLI::App& app, bool& weld) {
@@ -173,13 +174,8 @@ void add_schedule(CLI::App& app, Options& options) {
       ->excludes(cycles);
 }
 
-void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips) {
-  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
-      ->required()
-      ->type_name("");
-  app.add_option("-o,--output", command.output, "Cage to write (required); - is standard output, needs --format")
-      ->required()
-      ->type_name("OUTPUT");
+// What decides on the cage, however many of them are made.
+void add_cage_settings(CLI::App& app, CageCommand& command, bool& no_edge_flips) {
   add_tau(app, command.options);
   add_schedule(app, command.options);
   add_count(app, "--faces", command.options.face_budget, {},
@@ -187,12 +183,22 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
   add_flag(app, "--no-edge-flips", no_edge_flips, "Leave out the edge flips that improve triangles between the cycles");
   add_ratio(app, "--sigma", command.options.sigma, 0.01,
             "First displacement off the input, relative to the diagonal,\nat most 0.01 [1e-5]");
-  add_threads(app, command.options.threads);
   add_count(app, "--seed", command.options.seed, {},
             "Breaks ties between edges of equal cost [0];\nthe same seed gives the same result");
   add_flag(app, "--flip", command.options.accept_inside_out,
            "Accept an inside-out input, whose faces look inward: turn it\nround instead of refusing it");
   add_weld(app, command.weld);
+}
+
+void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips) {
+  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
+      ->required()
+      ->type_name("");
+  app.add_option("-o,--output", command.output, "Cage to write (required); - is standard output, needs --format")
+      ->required()
+      ->type_name("OUTPUT");
+  add_cage_settings(app, command, no_edge_flips);
+  add_threads(app, command.options.threads);
   app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
       ->type_name("FILE");
   add_format(app, format);
@@ -216,6 +222,33 @@ void add_check(CLI::App& app, CheckCommand& command) {
   app.callback([&command] {
     if (command.input == "-" && command.cage == "-") {
       throw CLI::ValidationError("--cage", "the mesh and the cage cannot both come from standard input");
+    }
+  });
+}
+
+void add_violation(CLI::App& app, MeasureOptions& options) {
+  CLI::Option* tau = add_ratio(app, "--tau", options.tau, 1,
+                               "Measure by how much the cage exceeds this thickness, too,\n"
+                               "relative to the diagonal of the input's bounding box, at most 1");
+  CLI::Option* absolute = add_ratio(app, "--tau-abs", options.tau_absolute, std::numeric_limits<double>::infinity(),
+                                    "The same in the unit of the input, instead of --tau");
+  tau->excludes(absolute);
+}
+
+void add_eval(CLI::App& app, EvalCommand& command) {
+  app.add_option("INPUT", command.input, "Mesh that the cage is of; - is standard input")->required()->type_name("");
+  app.add_option("CAGE", command.cage, "Cage to measure; - is standard input")->required()->type_name("");
+  add_violation(app, command.options);
+  add_count(app, "--samples", command.options.samples, {1, 1000000000},
+            "Points on each surface, 1 to 1000000000 [100000]");
+  add_count(app, "--seed", command.options.seed, {}, "Varies the points [0]; the same seed gives the same result");
+  app.add_option("--json", command.json, "JSON report to write; - is standard output, instead of the table")
+      ->type_name("FILE");
+  add_weld(app, command.weld);
+  add_threads(app, command.options.threads);
+  app.callback([&command] {
+    if (command.input == "-" && command.cage == "-") {
+      throw CLI::ValidationError("CAGE", "the mesh and the cage cannot both come from standard input");
     }
   });
 }
@@ -299,14 +332,76 @@ void add_render(CLI::App& app, RenderCommand& command, RenderSwitches& switches)
   });
 }
 
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  const bool slash = index.ec == std::errc{} && index.ptr != end && *index.ptr == '/';
+  const auto count = slash ? std::from_chars(index.ptr + 1, end, shard.count) : index;
+  const bool whole = slash && count.ec == std::errc{} && count.ptr == end;
+  if (whole && shard.index >= 1 && shard.index <= shard.count) return shard;
+  throw CLI::ValidationError("--shard", fmt::format("'{}' is not I/N, part I of N, I from 1 to N", text));
+}
+
+// How a batch goes about its work; none of it decides on a cage.
+void add_batch_work(CLI::App& app, BatchCommand& command) {
+  add_count(app, "--jobs", command.jobs, {0, 4096}, "Meshes at a time; 0: as many as have a core for each thread [0]");
+  add_count(app, "--threads", command.cage.options.threads, {0, 4096},
+            "Threads for each mesh; 0: cores divided by jobs [0]");
+  add_ratio(app, "--timeout", command.timeout, 1e9, "Seconds for each process, then it is given up [none]");
+  add_count(app, "--memory-limit", command.memory_limit_mb, {1, 1 << 30},
+            "Megabytes of address space for each process [none]");
+  app.add_option_function<std::string>(
+         "--shard", [&command](const std::string& text) { command.shard = parse_shard(text); },
+         "Only part I of N, with a table of its own; see prcage merge")
+      ->type_name("I/N");
+}
+
+void add_batch(CLI::App& app, BatchCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips) {
+  app.add_option("INPUT", command.input, "Directory with meshes at any depth, or a text file with\na path on each line")
+      ->required()
+      ->type_name("");
+  app.add_option("-o,--output", command.output, "Directory for the cages and their table (required)")
+      ->required()
+      ->type_name("DIR");
+  add_cage_settings(app, command.cage, no_edge_flips);
+  add_format(app, format)->description("Format of the cages: ply, ply-ascii, obj, stl, stl-ascii, off [ply]");
+  add_batch_work(app, command);
+  add_flag(app, "--no-eval", command.no_eval, "Do not measure the cages: no distances, normals, angles in the table");
+  CLI::Option* resume =
+      add_flag(app, "--resume", command.resume, "Go on with a batch that was ended: only what is not in the table");
+  add_flag(app, "--retry-failed", command.retry_failed, "With --resume: again those without a cage, too")
+      ->needs(resume);
+  CLI::Option* progress =
+      add_flag(app, "--progress", command.progress, "A line for each mesh instead of a progress bar, as for a log");
+  add_flag(app, "--quiet", command.quiet, "No progress, no failures, no summary; errors are still printed")
+      ->excludes(progress);
+  app.callback([&command, &format, &no_edge_flips] {
+    command.cage.format = format.value_or(MeshFormat::ply_binary);
+    command.cage.options.flips = !no_edge_flips;
+  });
+}
+
+void add_merge(CLI::App& app, MergeCommand& command) {
+  app.add_option("TABLES", command.tables, "Tables of prcage batch")->required()->type_name("");
+  app.add_option("-o,--output", command.output, "Table to write (required); must not be there yet")
+      ->required()
+      ->type_name("TABLE");
+  add_flag(app, "--mix-settings", command.mix_settings, "Accept tables that were made with different settings");
+}
+
 // What the parser fills in. The command that was named is the one to run.
 struct Parsed {
   CageCommand cage;
   CheckCommand check;
+  EvalCommand eval;
   InfoCommand info;
   MakeCommand make;
   RenderCommand render;
   RenderSwitches render_switches;
+  BatchCommand batch;
+  MergeCommand merge;
+  std::optional<MeshFormat> batch_format;
   std::optional<MeshFormat> cage_format;
   std::optional<MeshFormat> make_format;
   bool no_edge_flips = false;
@@ -340,6 +435,9 @@ void add_commands(CLI::App& app, Parsed& parsed) {
                         {"INPUT [OPTIONS]", "INPUT --cage FILE [OPTIONS]"},
                         {cannot_read, invalid_mesh, no_cage, cannot_write}),
             parsed.check);
+  add_eval(add_command(app, "eval", "Measure a cage: distances, normals, thickness, sizes, angles",
+                       {"INPUT CAGE [OPTIONS]"}, {cannot_read, invalid_mesh, no_cage, cannot_write}),
+           parsed.eval);
   add_info(add_command(app, "info", "Describe a mesh file", {"FILE [OPTIONS]"}, {cannot_read, cannot_write}),
            parsed.info);
   add_make(add_command(app, "make", "Write a built-in shape", {"SHAPE --faces N -o OUTPUT [OPTIONS]", "--list"},
@@ -348,6 +446,13 @@ void add_commands(CLI::App& app, Parsed& parsed) {
   add_render(add_command(app, "render", "Draw a mesh, and its cage, as a PNG picture",
                          {"INPUT [CAGE] -o OUTPUT [OPTIONS]"}, {cannot_read, invalid_mesh, cannot_write}),
              parsed.render, parsed.render_switches);
+  add_batch(add_command(app, "batch", "Make the cages of a whole directory, each in a process of its own",
+                        {"INPUT -o DIR [OPTIONS]"},
+                        {cannot_read, face_budget_not_reached, cannot_write, some_failed, interrupted}),
+            parsed.batch, parsed.batch_format, parsed.no_edge_flips);
+  add_merge(add_command(app, "merge", "Unite the tables of the shards of a batch", {"TABLES... -o TABLE [OPTIONS]"},
+                        {cannot_read, cannot_write}),
+            parsed.merge);
   add_command(app, "help", "Describe a command", {"[COMMAND]"}, {})
       .add_option("COMMAND", parsed.help_topic, "Name of the command")
       ->type_name("");
@@ -367,9 +472,12 @@ void print_help(const CLI::App& app, const std::string& topic) {
 std::optional<Command> chosen(const CLI::App& app, const Parsed& parsed) {
   if (app.got_subcommand("cage")) return parsed.cage;
   if (app.got_subcommand("check")) return parsed.check;
+  if (app.got_subcommand("eval")) return parsed.eval;
   if (app.got_subcommand("info")) return parsed.info;
   if (app.got_subcommand("make")) return parsed.make;
   if (app.got_subcommand("render")) return parsed.render;
+  if (app.got_subcommand("batch")) return parsed.batch;
+  if (app.got_subcommand("merge")) return parsed.merge;
   return std::nullopt;
 }
 

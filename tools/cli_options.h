@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/prcage.h"
 #include "io/mesh_file.h"
+#include "tools/batch_inputs.h"
 #include "tools/exit_codes.h"
 #include "tools/render.h"
 
@@ -32,6 +34,14 @@ struct CheckCommand {
   int threads = 0;
 };
 
+struct EvalCommand {
+  std::string input;
+  std::string cage;
+  std::string json;  // file of the JSON report; empty: none
+  bool weld = false;
+  MeasureOptions options;
+};
+
 struct InfoCommand {
   std::string file;
   bool json = false;
@@ -46,6 +56,27 @@ struct MakeCommand {
   MeshFormat format{};
 };
 
+struct BatchCommand {
+  std::string input;   // directory, or file with a list of meshes
+  std::string output;  // directory of cages and table
+  CageCommand cage;    // how each is made; without paths
+  Shard shard;
+  int jobs = 0;        // meshes at a time; 0: as suits the cores
+  double timeout = 0;  // seconds of each process; 0: none
+  std::uint64_t memory_limit_mb = 0;
+  bool resume = false;
+  bool retry_failed = false;
+  bool no_eval = false;
+  bool progress = false;  // a line for each mesh
+  bool quiet = false;
+};
+
+struct MergeCommand {
+  std::vector<std::string> tables;
+  std::string output;
+  bool mix_settings = false;
+};
+
 struct RenderCommand {
   std::string input;
   std::string cage;  // empty: a picture of the input alone
@@ -53,7 +84,8 @@ struct RenderCommand {
   RenderOptions options;
 };
 
-using Command = std::variant<CageCommand, CheckCommand, InfoCommand, MakeCommand, RenderCommand>;
+using Command = std::variant<CageCommand, CheckCommand, EvalCommand, InfoCommand, MakeCommand, RenderCommand,
+                             BatchCommand, MergeCommand>;
 
 // Either a command to run, or none and the code to exit with: help, version or the usage error have been printed.
 struct CommandLine {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -27,19 +28,6 @@ void install(int signal, struct sigaction& previous) {
   sigaction(signal, &action, nullptr);
 }
 
-std::string bar(double progress) {
-  constexpr std::size_t width = 24;
-  const auto filled = static_cast<std::size_t>(std::clamp(progress, 0.0, 1.0) * width);
-  return std::string(filled, '#') + std::string(width - filled, '.');
-}
-
-std::string progress_line(const Control& control, int cycles, double seconds) {
-  const std::string stage = control.cancelled() ? "stopping" : to_string(control.stage());
-  const std::string cycle = control.cycle() > 0 ? fmt::format("  cycle {}/{}", control.cycle(), cycles) : "";
-  return fmt::format("[{}] {:3.0f} %  {}{}  {} faces  {:.0f} s", bar(control.progress()), 100 * control.progress(),
-                     stage, cycle, control.faces(), seconds);
-}
-
 }  // namespace
 
 InterruptGuard::InterruptGuard(Control& control) {
@@ -54,8 +42,22 @@ InterruptGuard::~InterruptGuard() {
   interruptible.store(nullptr);
 }
 
-ProgressBar::ProgressBar(const Control& control, int cycles)
-    : control_(control), cycles_(cycles), thread_([this](const std::stop_token& stop) { draw_until_stopped(stop); }) {}
+std::string progress_text(double progress) {
+  constexpr std::size_t width = 24;
+  const double part = std::clamp(progress, 0.0, 1.0);
+  const auto filled = static_cast<std::size_t>(part * width);
+  return fmt::format("[{}{}] {:3.0f} %", std::string(filled, '#'), std::string(width - filled, '.'), 100 * part);
+}
+
+std::string progress_line(const Control& control, int cycles, double seconds) {
+  const std::string stage = control.cancelled() ? "stopping" : to_string(control.stage());
+  const std::string cycle = control.cycle() > 0 ? fmt::format("  cycle {}/{}", control.cycle(), cycles) : "";
+  return fmt::format("{}  {}{}  {} faces  {:.0f} s", progress_text(control.progress()), stage, cycle, control.faces(),
+                     seconds);
+}
+
+ProgressBar::ProgressBar(Line line)
+    : line_(std::move(line)), thread_([this](const std::stop_token& stop) { draw_until_stopped(stop); }) {}
 
 ProgressBar::~ProgressBar() {
   thread_.request_stop();
@@ -69,7 +71,7 @@ void ProgressBar::draw_until_stopped(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, stop, 100ms, [&stop] { return stop.stop_requested(); })) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    fmt::print(stderr, "\r{}\x1b[K", progress_line(control_, cycles_, elapsed.count()));
+    fmt::print(stderr, "\r{}\x1b[K", line_(elapsed.count()));
   }
 }
 

@@ -3,7 +3,9 @@
 
 #include <condition_variable>
 #include <csignal>
+#include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "core/prcage.h"
@@ -27,7 +29,10 @@ class InterruptGuard {
 // Redraws one line on standard error from a thread of its own and clears it when it is destroyed.
 class ProgressBar {
  public:
-  ProgressBar(const Control& control, int cycles);
+  // The line, given the seconds since the start. Called by the thread.
+  using Line = std::function<std::string(double)>;
+
+  explicit ProgressBar(Line line);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -35,11 +40,16 @@ class ProgressBar {
  private:
   void draw_until_stopped(const std::stop_token& stop);
 
-  const Control& control_;
-  int cycles_;
+  Line line_;
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::jthread thread_;  // last: it uses the members above
 };
+
+// "[######......]  50 %" for a progress of 0 to 1.
+std::string progress_text(double progress);
+
+// The line of a run with this number of cycles.
+std::string progress_line(const Control& control, int cycles, double seconds);
 
 }  // namespace prcage

@@ -14,14 +14,19 @@ enum class ExitCode : int {
   face_budget_not_reached = 5,  // the cage is valid and written, but has more faces than asked for
   no_cage = 6,                  // no cage possible, or the certificate failed: nothing written
   cannot_write = 7,
+  some_failed = 8,    // batch: the table is complete, but some meshes have no cage
   interrupted = 130,  // the valid cage reached so far is written
 };
 
 inline constexpr std::array all_exit_codes{
     ExitCode::ok,          ExitCode::internal_error, ExitCode::usage,
     ExitCode::cannot_read, ExitCode::invalid_mesh,   ExitCode::face_budget_not_reached,
-    ExitCode::no_cage,     ExitCode::cannot_write,   ExitCode::interrupted,
+    ExitCode::no_cage,     ExitCode::cannot_write,   ExitCode::some_failed,
+    ExitCode::interrupted,
 };
+
+// What the program says when memory runs out, and knows again when it has run itself as a child.
+inline constexpr const char* out_of_memory_text = "not enough memory";
 
 // For the help texts.
 constexpr const char* meaning(ExitCode code) {
@@ -42,6 +47,8 @@ constexpr const char* meaning(ExitCode code) {
       return "no cage possible, or a certificate failed; no cage written";
     case ExitCode::cannot_write:
       return "a file cannot be written";
+    case ExitCode::some_failed:
+      return "batch: some meshes have no cage; the table says why";
     case ExitCode::interrupted:
       return "interrupted; the valid cage reached so far is written";
   }

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   try {
     return static_cast<int>(run_command_line(argc, argv));
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "prcage: error: not enough memory\n");
+    fmt::print(stderr, "prcage: error: {}\n", prcage::out_of_memory_text);
   } catch (const std::exception& error) {
     fmt::print(stderr, "prcage: internal error: {}\n", error.what());
   }
