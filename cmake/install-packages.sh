@@ -1,18 +1,22 @@
 #!/bin/sh
 # Installs the Debian 12 packages that prcage needs. The only list of them: README and CI call this script.
 #   sh cmake/install-packages.sh         to build the library, the program and the tests
-#   sh cmake/install-packages.sh checks  in addition what only CI runs: formatter, linter, instrumented TBB, perf/
+#   sh cmake/install-packages.sh checks  in addition what only CI runs: formatter, linter, instrumented TBB, perf/,
+#                                        browser
 # Does nothing, and needs neither root nor a network, if everything is there.
 set -eu
 
 packages="g++ cmake ninja-build pkg-config
   libtbb-dev libembree-dev libopenvdb-dev libeigen3-dev libxsimd-dev
   libcgal-dev libboost-dev libgmp-dev libmpfr-dev
-  libcli11-dev nlohmann-json3-dev libfmt-dev libsqlite3-dev libpng-dev libxxhash-dev libgtest-dev libgmock-dev"
+  libcli11-dev nlohmann-json3-dev libfmt-dev libsqlite3-dev libmeshoptimizer-dev libpng-dev libxxhash-dev
+  libgtest-dev libgmock-dev"
+# For the page of the report. Node.js from elsewhere than Debian comes with its own npm.
+command -v npm >/dev/null || packages="$packages nodejs npm"
 case "${1-}" in
   "") ;;
   checks) packages="$packages clang-format clang-tidy dpkg-dev ccache
-    libbenchmark-dev libmeshoptimizer-dev valgrind python3" ;;
+    libbenchmark-dev valgrind python3 chromium" ;;
   *) echo "usage: $0 [checks]" >&2; exit 2 ;;
 esac
 

@@ -168,7 +168,7 @@ TEST_F(Cli, UsageLinesShowWhatIsRequired) {
 }
 
 TEST_F(Cli, HelpIsFreeOfTheParsersOwnNotation) {
-  for (const char* command : {"cage", "check", "eval", "info", "make", "render", "batch", "merge", "help"}) {
+  for (const char* command : {"cage", "check", "eval", "info", "make", "render", "batch", "merge", "report", "help"}) {
     EXPECT_THAT(run({"help", command}).out, AllOf(Not(HasSubstr("REQUIRED")), Not(HasSubstr("Excludes")),
                                                   Not(HasSubstr("INT")), Not(HasSubstr("TEXT"))))
         << command;

@@ -111,6 +111,18 @@ std::string create_table() {
   return sql + "  PRIMARY KEY (mesh, settings)\n) WITHOUT ROWID";
 }
 
+int open_flags(BatchTable::Open open) {
+  switch (open) {
+    case BatchTable::Open::read_only:
+      return SQLITE_OPEN_READONLY;
+    case BatchTable::Open::existing:
+      return SQLITE_OPEN_READWRITE;
+    case BatchTable::Open::or_create:
+      break;
+  }
+  return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+}
+
 std::string column_names() {
   std::vector<const char*> names;
   names.reserve(columns.size());
@@ -198,8 +210,7 @@ class BatchTable::Statement {
 
 BatchTable::BatchTable(const std::string& path, Open open) : path_(path), database_(nullptr, &sqlite3_close) {
   sqlite3* database = nullptr;
-  const int flags = SQLITE_OPEN_READWRITE | (open == Open::or_create ? SQLITE_OPEN_CREATE : 0);
-  const int result = sqlite3_open_v2(path.c_str(), &database, flags, nullptr);
+  const int result = sqlite3_open_v2(path.c_str(), &database, open_flags(open), nullptr);
   database_.reset(database);  // there also after most errors, which it then describes
   if (database == nullptr) fail("not enough memory");
   if (result != SQLITE_OK) fail(sqlite3_errmsg(database));
@@ -277,6 +288,12 @@ void BatchTable::execute(const std::string& sql) const {
   }
 }
 
-void BatchTable::fail(const std::string& what) const { throw BatchTableError(fmt::format("{}: {}", path_, what)); }
+void BatchTable::fail(const std::string& what) const {
+  if (sqlite3_extended_errcode(database_.get()) == SQLITE_READONLY_ROLLBACK) {
+    throw BatchTableError(
+        fmt::format("{}: was left by a batch that was killed while it wrote; resuming the batch puts it right", path_));
+  }
+  throw BatchTableError(fmt::format("{}: {}", path_, what));
+}
 
 }  // namespace prcage

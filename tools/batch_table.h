@@ -69,7 +69,7 @@ class BatchTableError : public std::runtime_error {
 
 class BatchTable {
  public:
-  enum class Open { existing, or_create };
+  enum class Open { read_only, existing, or_create };
 
   BatchTable(const std::string& path, Open open);
 

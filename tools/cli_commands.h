@@ -14,5 +14,6 @@ ExitCode run(const MakeCommand& command);
 ExitCode run(const RenderCommand& command);
 ExitCode run(const BatchCommand& command);
 ExitCode run(const MergeCommand& command);
+ExitCode run(const ReportCommand& command);
 
 }  // namespace prcage

@@ -22,7 +22,8 @@ constexpr const char* libraries_text =
     "Licence: Apache-2.0. Nothing that it links requires the GPL. Libraries:\n"
     "  CGAL kernel (LGPL-3.0-or-later), GMP and MPFR (LGPL-3.0-or-later), Embree (Apache-2.0), oneTBB (Apache-2.0),\n"
     "  OpenVDB (MPL-2.0), Eigen (MPL-2.0), Boost (BSL-1.0), xsimd (BSD-3-Clause), {fmt} (MIT), CLI11 (BSD-3-Clause),\n"
-    "  JSON for Modern C++ (MIT), xxHash (BSD-2-Clause), SQLite (public domain), zlib (Zlib), libpng (libpng-2.0)";
+    "  JSON for Modern C++ (MIT), xxHash (BSD-2-Clause), SQLite (public domain), zlib (Zlib), libpng (libpng-2.0),\n"
+    "  meshoptimizer (MIT); in the page of a report: three.js (MIT), Tabulator (MIT), Observable Plot and D3 (ISC)";
 
 std::string version_text() { return fmt::format("prcage {}\n{}", version(), libraries_text); }
 
@@ -390,6 +391,16 @@ void add_merge(CLI::App& app, MergeCommand& command) {
   add_flag(app, "--mix-settings", command.mix_settings, "Accept tables that were made with different settings");
 }
 
+void add_report(CLI::App& app, ReportCommand& command) {
+  app.add_option("TABLE", command.table, "Table of prcage batch or merge; it is only read")->required()->type_name("");
+  app.add_option("-o,--output", command.output, "HTML page to write (required); - is standard output")
+      ->required()
+      ->type_name("OUTPUT");
+  app.add_option("--title", command.title, "Title of the page [the name of the table]")->type_name("TITLE");
+  add_count(app, "--models", command.models, {0, 10000},
+            "Models to show in 3D, the worst first, up to 10000 [24];\neach takes less than a megabyte of the page");
+}
+
 // What the parser fills in. The command that was named is the one to run.
 struct Parsed {
   CageCommand cage;
@@ -401,6 +412,7 @@ struct Parsed {
   RenderSwitches render_switches;
   BatchCommand batch;
   MergeCommand merge;
+  ReportCommand report;
   std::optional<MeshFormat> batch_format;
   std::optional<MeshFormat> cage_format;
   std::optional<MeshFormat> make_format;
@@ -453,6 +465,9 @@ void add_commands(CLI::App& app, Parsed& parsed) {
   add_merge(add_command(app, "merge", "Unite the tables of the shards of a batch", {"TABLES... -o TABLE [OPTIONS]"},
                         {cannot_read, cannot_write}),
             parsed.merge);
+  add_report(add_command(app, "report", "Make a page to look at from the table of a batch",
+                         {"TABLE -o OUTPUT [OPTIONS]"}, {cannot_read, cannot_write}),
+             parsed.report);
   add_command(app, "help", "Describe a command", {"[COMMAND]"}, {})
       .add_option("COMMAND", parsed.help_topic, "Name of the command")
       ->type_name("");
@@ -478,6 +493,7 @@ std::optional<Command> chosen(const CLI::App& app, const Parsed& parsed) {
   if (app.got_subcommand("render")) return parsed.render;
   if (app.got_subcommand("batch")) return parsed.batch;
   if (app.got_subcommand("merge")) return parsed.merge;
+  if (app.got_subcommand("report")) return parsed.report;
   return std::nullopt;
 }
 

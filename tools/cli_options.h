@@ -77,6 +77,13 @@ struct MergeCommand {
   bool mix_settings = false;
 };
 
+struct ReportCommand {
+  std::string table;
+  std::string output;
+  std::string title;        // empty: the name of the table
+  std::size_t models = 24;  // shown in 3D
+};
+
 struct RenderCommand {
   std::string input;
   std::string cage;  // empty: a picture of the input alone
@@ -85,7 +92,7 @@ struct RenderCommand {
 };
 
 using Command = std::variant<CageCommand, CheckCommand, EvalCommand, InfoCommand, MakeCommand, RenderCommand,
-                             BatchCommand, MergeCommand>;
+                             BatchCommand, MergeCommand, ReportCommand>;
 
 // Either a command to run, or none and the code to exit with: help, version or the usage error have been printed.
 struct CommandLine {
