@@ -33,7 +33,7 @@ Workload::Workload(const std::string& shape, std::size_t faces)
       diagonal(extent(input.positions).diagonal()),
       tau(Options{}.tau * diagonal),
       band(input.positions, input.triangles, tree.frame(), tree.tree()) {
-  const double first_tau = schedule_of(Options{}).front() * tau;
+  const double first_tau = thickness_steps(Options{}, diagonal, 0).front();
   displacement.step = Options{}.sigma * diagonal;
   displacement.longest_move = std::min(50 * displacement.step, 0.5 * first_tau);
   displacement.longest_radius = std::min(100 * displacement.step, 0.5 * first_tau);
@@ -50,8 +50,11 @@ InitialCage Workload::displaced() const { return displace(input, tree, displacem
 void Workload::simplify_to(std::size_t faces) {
   Options options;
   options.face_budget = faces;
+  options.quality = Quality::fast;
   Statistics statistics;
-  run_engine(state, {&options, diagonal, tau, tree.frame(), &device, &band, nullptr, &statistics});
+  const std::vector<double> thickness = thickness_steps(options, diagonal, 0);
+  run_engine(state,
+             {&options, diagonal, thickness, tree.frame(), &device, &band, nullptr, nullptr, nullptr, &statistics});
   if (!statistics.cycles.empty()) enter_cycle(statistics.cycles.back().tau);
 }
 

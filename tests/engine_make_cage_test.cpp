@@ -56,13 +56,13 @@ void expect_counts_add_up(const Result& r, const Options& options) {
 }
 
 void expect_cycles_follow_the_schedule(const Result& r, const Options& options) {
-  const std::vector<double> schedule = schedule_of(options);
+  const std::vector<double> steps = thickness_steps(options, r.statistics.diagonal, r.validation.area);
   const auto& cycles = r.statistics.cycles;
-  EXPECT_LE(cycles.size(), schedule.size());
+  EXPECT_LE(cycles.size(), steps.size());
   std::size_t faces = std::numeric_limits<std::size_t>::max();
   for (std::size_t k = 0; k < cycles.size(); ++k) {
-    EXPECT_EQ(cycles[k].beta, schedule[k]);
-    EXPECT_EQ(cycles[k].tau, schedule[k] * r.statistics.tau);
+    EXPECT_EQ(cycles[k].tau, steps[k]);
+    EXPECT_DOUBLE_EQ(cycles[k].beta, steps[k] / steps.back());
     EXPECT_LE(cycles[k].faces, faces);
     faces = cycles[k].faces;
   }
@@ -85,7 +85,11 @@ void expect_sound(const Mesh& input, const Options& options, const Result& r) {
   EXPECT_EQ(s.cage_faces, r.cage.triangles.size());
   EXPECT_EQ(s.cage_vertices, r.cage.positions.size());
   EXPECT_NEAR(s.diagonal, testing::diagonal_of(input), 1e-12 * s.diagonal);
-  EXPECT_EQ(s.tau, options.tau_absolute > 0 ? options.tau_absolute : options.tau * s.diagonal);
+  if (!finds_thickness(options)) {
+    EXPECT_EQ(s.tau, options.tau_absolute > 0 ? options.tau_absolute : options.tau * s.diagonal);
+  } else if (!s.cycles.empty()) {
+    EXPECT_EQ(s.tau, s.cycles.back().tau);
+  }
   EXPECT_GT(s.sigma_min, 0);
   EXPECT_LE(s.sigma_min, s.sigma_max);
   EXPECT_LE(s.sigma_max, options.sigma * s.diagonal);
@@ -193,7 +197,8 @@ TEST_P(MakeCageSlow, TighterBandsKeepMoreFaces) {
   }
 }
 
-// All cages of a run are nested: the state after each cycle of the staircase contains the states before it.
+// Without tightening, all cages of a run are nested: the state after each cycle of the staircase contains the states
+// before it.
 TEST_P(MakeCageSlow, EveryCycleEnclosesTheCyclesBefore) {
   testing::in_arena(2, [&] {
     const testing::Stage stage(input_);
@@ -201,14 +206,22 @@ TEST_P(MakeCageSlow, EveryCycleEnclosesTheCyclesBefore) {
     std::vector<Mesh> cages{input_, state.mesh.to_mesh()};
     Options options;
     options.schedule = {1};
+    options.quality = Quality::fast;  // nothing moves back inward
     for (const double tau : {1.0 / 200, 1.0 / 60, 1.0 / 20}) {
       Statistics statistics;
-      const EngineContext context{
-          &options,         stage.diagonal, tau * stage.diagonal, stage.tree.frame(), &stage.device,
-          stage.band.get(), nullptr,        &statistics};
+      const EngineContext context{&options,
+                                  stage.diagonal,
+                                  {tau * stage.diagonal},
+                                  stage.tree.frame(),
+                                  &stage.device,
+                                  stage.band.get(),
+                                  nullptr,
+                                  nullptr,
+                                  nullptr,
+                                  &statistics};
       EXPECT_EQ(run_engine(state, context), EngineOutcome::schedule_finished);
       cages.push_back(state.mesh.to_mesh());
-      EXPECT_LE(sampled_distance(cages.back(), input_, 4), context.tau);
+      EXPECT_LE(sampled_distance(cages.back(), input_, 4), tau * stage.diagonal);
     }
     for (std::size_t outer = 1; outer < cages.size(); ++outer)
       for (std::size_t inner = 0; inner < outer; ++inner)
@@ -454,6 +467,99 @@ TEST(MakeCageSeedsSlow, BreakTiesAndNothingElse) {
               0.2 * static_cast<double>(a.cage.triangles.size()) + 4);
 }
 
+// ------------------------------------------------------------------------------------------ thickness and tightness
+
+Options options_for(std::size_t faces, Quality quality) {
+  Options options;
+  options.tau = 0;
+  options.face_budget = faces;
+  options.bound = Bound::both;
+  options.quality = quality;
+  return options;
+}
+
+TEST(MakeCageThickness, IsFoundForABudgetAndBoundsBothDirections) {
+  for (const char* name : {"bumpy", "knot", "bracket", "gyroid", "slabs"})
+    for (const std::size_t budget : {std::size_t{150}, std::size_t{500}}) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(budget));
+      const Mesh input = shape(name, 1500);
+      const Result r = expect_cage(input, options_for(budget, Quality::standard));
+      if (r.status == Status::face_budget_not_reached) continue;  // a matter of topology
+      EXPECT_LE(r.cage.triangles.size(), budget);
+      EXPECT_LE(sampled_distance(r.cage, input, 6), r.statistics.tau);
+      const Mesh vertices{input.positions, input.triangles};
+      EXPECT_LE(sampled_distance(vertices, r.cage, 1), r.statistics.tau) << "all vertices are samples";
+      EXPECT_LT(r.statistics.tau, 0.3 * r.statistics.diagonal);
+    }
+}
+
+TEST(MakeCageThickness, GrowsAsTheBudgetFalls) {
+  const Mesh input = shape("bumpy", 4000);
+  double tau = 0;
+  for (const std::size_t budget : {1000u, 400u, 100u, 30u}) {
+    const Result r = expect_cage(input, options_for(budget, Quality::fast));
+    EXPECT_EQ(r.status, Status::ok);
+    EXPECT_GT(r.statistics.tau, tau);
+    tau = r.statistics.tau;
+  }
+}
+
+TEST(MakeCageThickness, NeedsABudget) {
+  Options options;
+  options.tau = 0;
+  EXPECT_EQ(make_cage(shape("bumpy", 100), options).status, Status::invalid_options);
+}
+
+// What tightening is for, at equal faces; and what it must not do: every result is certified.
+TEST(MakeCageTightening, LeavesLessBetweenCageAndInput) {
+  for (const char* name : {"bumpy", "knot", "spikes"})
+    for (std::uint64_t seed = 0; seed < 2; ++seed) {
+      const Mesh input = shape(name, 2000);
+      Options loose = options_for(300, Quality::fast), tight = options_for(300, Quality::standard);
+      loose.seed = tight.seed = seed;
+      const Result a = expect_cage(input, loose), b = expect_cage(input, tight);
+      EXPECT_EQ(a.statistics.counts.tightened, 0u);
+      EXPECT_GT(b.statistics.counts.tightened, 100u);
+      if (a.cage.triangles.size() > 300 || b.cage.triangles.size() > 300) continue;
+      const double volume = validate(input).volume;
+      EXPECT_LT(validate(b.cage).volume - volume, 0.9 * (validate(a.cage).volume - volume)) << name;
+    }
+}
+
+TEST(MakeCageTightening, IsTheSameForAnyNumberOfThreads) {
+  const Mesh input = shape("knot", 6000);
+  const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 4);
+  Options options = options_for(300, Quality::standard);
+  options.threads = 1;
+  const Mesh one = expect_cage(input, options).cage;
+  for (const int threads : {2, 4}) {
+    options.threads = threads;
+    const Mesh many = make_cage(input, options).cage;
+    EXPECT_EQ(many.positions, one.positions);
+    EXPECT_EQ(many.triangles, one.triangles);
+  }
+}
+
+// Small components close inside the cage of a large one: none may be swept out.
+TEST(MakeCageTightening, LeavesNoComponentBehind) {
+  Mesh input = testing::scaled(shape("bumpy", 2000), 1);
+  const double l = testing::diagonal_of(input);
+  const Mesh grain = testing::scaled(testing::cube(), 1e-3 * l);
+  const Mesh large = input;
+  for (std::size_t v = 0; v < large.positions.size(); v += 40) {
+    Vec3 p = vec(large.positions[v]);
+    Vec3 centre = Vec3::Zero();
+    for (const Position& q : large.positions) centre += vec(q) / static_cast<double>(large.positions.size());
+    p += 0.02 * l * (p - centre).normalized();
+    input = testing::merge(input, testing::moved(grain, p));
+  }
+  for (const std::size_t budget : {std::size_t{600}, std::size_t{900}}) {
+    const Result r = expect_cage(input, options_for(budget, Quality::standard));
+    EXPECT_TRUE(r.certificate.encloses);
+    EXPECT_TRUE(r.certificate.component_count_equal);
+  }
+}
+
 // ------------------------------------------------------------------------------------------ cancel and progress
 
 TEST(MakeCageCancel, BeforeTheStartGivesTheFirstCage) {
@@ -468,8 +574,10 @@ TEST(MakeCageCancel, BeforeTheStartGivesTheFirstCage) {
 
 TEST(MakeCageCancelSlow, AtAnyTimeGivesAValidCage) {
   const Mesh input = shape("bumpy", 1500);
+  Options options;
+  options.quality = Quality::fast;  // nothing moves back inward, so that cages are nested
   const auto start = std::chrono::steady_clock::now();
-  const Result complete = make_cage(input);
+  const Result complete = make_cage(input, options);
   const auto duration = std::chrono::steady_clock::now() - start;
   int cancelled = 0;
   for (int i = 0; i < 8; ++i) {
@@ -478,10 +586,10 @@ TEST(MakeCageCancelSlow, AtAnyTimeGivesAValidCage) {
       std::this_thread::sleep_for(duration * i / 8);
       control.cancel();
     });
-    const Result r = make_cage(input, {}, &control);
+    const Result r = make_cage(input, options, &control);
     canceller.join();
     ASSERT_TRUE(r.status == Status::cancelled || r.status == Status::ok) << to_string(r.status);
-    expect_sound(input, {}, r);
+    expect_sound(input, options, r);
     cancelled += r.status == Status::cancelled ? 1 : 0;
     // Whatever it had reached is on the way to the complete result.
     EXPECT_TRUE(testing::weakly_encloses(complete.cage, r.cage, 1e-7 * r.statistics.diagonal));

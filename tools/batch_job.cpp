@@ -99,6 +99,7 @@ bool reached_a_cage(const std::string& status) {
 
 std::vector<std::string> tau_arguments(const Options& options) {
   if (options.tau_absolute > 0) return {"--tau-abs", fmt::format("{}", options.tau_absolute)};
+  if (options.tau == 0) return {};
   return {"--tau", fmt::format("{}", options.tau)};
 }
 
@@ -134,13 +135,15 @@ std::vector<std::string> cage_arguments(const CageCommand& command) {
     words.emplace_back(name);
     words.push_back(fmt::format("{}", value));
   };
-  add("--tau-mode", options.tau_mode == TauMode::strict ? "strict" : "paper");
-  if (options.schedule.empty()) {
+  if (!words.empty() && options.schedule.empty()) {
     add("--cycles", options.cycles);
-  } else {
+  } else if (!words.empty()) {
     add("--schedule", fmt::format("{}", fmt::join(options.schedule, ",")));
   }
+  add("--tau-mode", options.tau_mode == TauMode::strict ? "strict" : "paper");
   add("--faces", options.face_budget);
+  add("--bound", options.bound == Bound::both ? "both" : "cage");
+  add("--quality", to_string(options.quality));
   add("--sigma", options.sigma);
   add("--seed", options.seed);
   add("--format", to_string(command.format));

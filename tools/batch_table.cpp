@@ -59,6 +59,7 @@ constexpr std::array columns{
     BatchColumn{"seconds_collide", "REAL", statistics, "/statistics/seconds/collide", ""},
     BatchColumn{"seconds_commit", "REAL", statistics, "/statistics/seconds/commit", ""},
     BatchColumn{"seconds_flip", "REAL", statistics, "/statistics/seconds/flip", ""},
+    BatchColumn{"seconds_tighten", "REAL", statistics, "/statistics/seconds/tighten", ""},
     BatchColumn{"seconds_certify", "REAL", statistics, "/statistics/seconds/certify", ""},
     BatchColumn{"seconds_write", "REAL", statistics, "/seconds/write", ""},
     BatchColumn{"certified", "INTEGER", cage, "/certificate/valid", "all of the certificate, 0 or 1; then each"},

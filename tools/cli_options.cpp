@@ -164,6 +164,43 @@ void add_tau(CLI::App& app, Options& options) {
       ->type_name("strict|paper");
 }
 
+Quality parse_quality(const std::string& text) {
+  for (const Quality quality : {Quality::fast, Quality::standard, Quality::best})
+    if (text == to_string(quality)) return quality;
+  throw CLI::ValidationError("--quality", fmt::format("'{}' is none of fast, default and best", text));
+}
+
+void add_quality(CLI::App& app, Options& options) {
+  app.add_option_function<std::string>(
+         "--quality", [&options](const std::string& text) { options.quality = parse_quality(text); },
+         "What tightness may cost: finer steps of the thickness, and how often\n"
+         "vertices are moved back inward [default]")
+      ->type_name("fast|default|best");
+}
+
+Bound parse_bound(const std::string& text) {
+  if (text == "cage") return Bound::cage;
+  if (text == "both") return Bound::both;
+  throw CLI::ValidationError("--bound", fmt::format("'{}' is neither cage nor both", text));
+}
+
+void add_bound(CLI::App& app, Options& options) {
+  app.add_option_function<std::string>(
+         "--bound", [&options](const std::string& text) { options.bound = parse_bound(text); },
+         "cage: tau bounds the distance of the cage to the input [with --tau]\n"
+         "both: that of samples of the input to the cage, too [without --tau]")
+      ->type_name("cage|both");
+}
+
+// Without a thickness or a schedule of it, a number of faces asks for the smallest thickness that reaches it.
+void find_thickness_if_free(const CLI::App& app, Options& options) {
+  for (const char* name : {"--tau", "--tau-abs", "--cycles", "--schedule"})
+    if (app.count(name) != 0) return;
+  if (options.face_budget == 0) return;
+  options.tau = 0;
+  if (app.count("--bound") == 0) options.bound = Bound::both;
+}
+
 void add_schedule(CLI::App& app, Options& options) {
   CLI::Option* cycles =
       add_count(app, "--cycles", options.cycles, {1, 10000}, "Uniform steps in which tau is released, 1 to 10000 [10]");
@@ -180,7 +217,10 @@ void add_cage_settings(CLI::App& app, CageCommand& command, bool& no_edge_flips)
   add_tau(app, command.options);
   add_schedule(app, command.options);
   add_count(app, "--faces", command.options.face_budget, {},
-            "Stop at N faces (or one below, where parity demands);\n0: as few as tau allows [0]");
+            "Stop at N faces (or one below, where parity demands), without --tau at the\n"
+            "smallest thickness that allows them; 0: as few as tau allows [0]");
+  add_quality(app, command.options);
+  add_bound(app, command.options);
   add_flag(app, "--no-edge-flips", no_edge_flips, "Leave out the edge flips that improve triangles between the cycles");
   add_ratio(app, "--sigma", command.options.sigma, 0.01,
             "First displacement off the input, relative to the diagonal,\nat most 0.01 [1e-5]");
@@ -204,7 +244,8 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
       ->type_name("FILE");
   add_format(app, format);
   add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
-  app.callback([&command, &format, &no_edge_flips] {
+  app.callback([&app, &command, &format, &no_edge_flips] {
+    find_thickness_if_free(app, command.options);
     command.format = output_format(command.output, format);
     command.options.flips = !no_edge_flips;
     if (command.output == "-" && command.stats == "-") {
@@ -377,7 +418,8 @@ void add_batch(CLI::App& app, BatchCommand& command, std::optional<MeshFormat>& 
       add_flag(app, "--progress", command.progress, "A line for each mesh instead of a progress bar, as for a log");
   add_flag(app, "--quiet", command.quiet, "No progress, no failures, no summary; errors are still printed")
       ->excludes(progress);
-  app.callback([&command, &format, &no_edge_flips] {
+  app.callback([&app, &command, &format, &no_edge_flips] {
+    find_thickness_if_free(app, command.cage.options);
     command.cage.format = format.value_or(MeshFormat::ply_binary);
     command.cage.options.flips = !no_edge_flips;
   });

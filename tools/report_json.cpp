@@ -100,7 +100,8 @@ Json json_of(const Counts& counts) {
           PRCAGE_FIELD(counts, rejected_conflict),
           PRCAGE_FIELD(counts, collapses),
           PRCAGE_FIELD(counts, flips_tried),
-          PRCAGE_FIELD(counts, flips)};
+          PRCAGE_FIELD(counts, flips),
+          PRCAGE_FIELD(counts, tightened)};
 }
 
 Json json_of(const CycleStatistics& cycle) {
@@ -112,7 +113,7 @@ Json json_of(const StageSeconds& seconds) {
   return {PRCAGE_FIELD(seconds, total),    PRCAGE_FIELD(seconds, validate), PRCAGE_FIELD(seconds, displace),
           PRCAGE_FIELD(seconds, evaluate), PRCAGE_FIELD(seconds, select),   PRCAGE_FIELD(seconds, build),
           PRCAGE_FIELD(seconds, distance), PRCAGE_FIELD(seconds, collide),  PRCAGE_FIELD(seconds, commit),
-          PRCAGE_FIELD(seconds, flip),     PRCAGE_FIELD(seconds, certify)};
+          PRCAGE_FIELD(seconds, flip),     PRCAGE_FIELD(seconds, tighten),  PRCAGE_FIELD(seconds, certify)};
 }
 
 Json json_of(const Statistics& statistics) {
@@ -138,14 +139,16 @@ Json json_of(const Statistics& statistics) {
           {"cycles", cycles}};
 }
 
+// Steps as shares of tau; empty if the thickness is found by the run, whose cycles are then those of the statistics.
 std::vector<double> resolved_schedule(const Options& options) {
+  if (options.tau == 0 && options.tau_absolute == 0) return {};
   if (!options.schedule.empty()) return options.schedule;
   std::vector<double> schedule;
   for (int k = 1; k <= options.cycles; ++k) schedule.push_back(static_cast<double>(k) / options.cycles);
   return schedule;
 }
 
-// Tau in both units, whichever was given, once the diagonal that relates them is known.
+// Tau in both units, whichever was given, once the diagonal that relates them is known. 0 if it was to be found.
 void resolve_tau(Options& options, double diagonal) {
   if (!(diagonal > 0)) return;
   if (options.tau_absolute > 0) {
@@ -157,8 +160,8 @@ void resolve_tau(Options& options, double diagonal) {
 
 Json json_of(const CageCommand& command, double diagonal) {
   Options options = command.options;
-  resolve_tau(options, diagonal);
   const std::vector<double> schedule = resolved_schedule(options);
+  resolve_tau(options, diagonal);
   return {PRCAGE_FIELD(command, input),
           PRCAGE_FIELD(command, output),
           {"format", to_string(command.format)},
@@ -169,6 +172,8 @@ Json json_of(const CageCommand& command, double diagonal) {
           {"cycles", schedule.size()},
           {"schedule", schedule},
           PRCAGE_FIELD(options, face_budget),
+          {"bound", options.bound == Bound::both ? "both" : "cage"},
+          {"quality", to_string(options.quality)},
           PRCAGE_FIELD(options, flips),
           PRCAGE_FIELD(options, sigma),
           PRCAGE_FIELD(options, seed),

@@ -26,6 +26,18 @@ const char* to_string(Status status) {
   return "unknown";
 }
 
+const char* to_string(Quality quality) {
+  switch (quality) {
+    case Quality::fast:
+      return "fast";
+    case Quality::standard:
+      return "default";
+    case Quality::best:
+      return "best";
+  }
+  return "unknown";
+}
+
 const char* to_string(DefectKind kind) {
   switch (kind) {
     case DefectKind::no_faces:
@@ -99,6 +111,7 @@ Counts& Counts::operator+=(const Counts& o) {
   collapses += o.collapses;
   flips_tried += o.flips_tried;
   flips += o.flips;
+  tightened += o.tightened;
   return *this;
 }
 

@@ -164,23 +164,35 @@ enum class TauMode {
   paper,   // in cycle k the centroids of faces are within tau_k, eq. 4
 };
 
+// Which distances tau bounds: that of the points of the cage to the input only, or that of the input to the cage as
+// well, at up to 40,000 samples of the input.
+enum class Bound { cage, both };
+
 enum class Precision { float64, float32 };
+
+// What a run may cost, for tightness: how finely the thickness grows, and how often vertices are moved back inward.
+enum class Quality { fast, standard, best };
+
+const char* to_string(Quality quality);
 
 struct Options {
   // Thickness of the band outside the input that the cage may use. Relative to l unless tau_absolute > 0,
-  // which is in the input's unit and then takes precedence. Range (0, 1].
+  // which is in the input's unit and then takes precedence. Range (0, 1]; or 0, with a face budget: the smallest
+  // thickness that reaches the budget, found in growing steps.
   double tau = 1.0 / 40;
   double tau_absolute = 0;
   TauMode tau_mode = TauMode::strict;
+  Bound bound = Bound::cage;
 
   // Staircase schedule (paper eq. 6): cycle k works within beta_k * tau. Empty means `cycles` uniform steps
-  // beta_k = k / cycles; otherwise a strictly increasing list in (0, 1] that ends at 1.
+  // beta_k = k / cycles; otherwise a strictly increasing list in (0, 1] that ends at 1. Not used if tau is 0.
   int cycles = 10;
   std::vector<double> schedule;
 
   // Stop at this many faces, or one below where parity demands. 0: as few as tau allows.
   std::size_t face_budget = 0;
 
+  Quality quality = Quality::standard;
   bool flips = true;               // edge flips after each cycle (paper sec. 3.2)
   double sigma = 1e-5;             // first displacement off the input, relative to l (paper sec. 3.2)
   std::uint64_t seed = 0;          // breaks ties between candidates of equal cost
@@ -243,7 +255,8 @@ struct Counts {
   std::uint64_t rejected_conflict = 0;     // lost against another patch of the same round
   std::uint64_t collapses = 0;             // accepted
   std::uint64_t flips_tried = 0;
-  std::uint64_t flips = 0;  // accepted
+  std::uint64_t flips = 0;      // accepted
+  std::uint64_t tightened = 0;  // moves of vertices inward
 
   Counts& operator+=(const Counts& other);
 };
@@ -269,6 +282,7 @@ struct StageSeconds {
   double collide = 0;   // joins, exact triangle pairs, conflicts
   double commit = 0;    // topology, compaction, trees
   double flip = 0;
+  double tighten = 0;
   double certify = 0;
 };
 

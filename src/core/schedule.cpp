@@ -3,11 +3,62 @@
 #include <cmath>
 
 namespace prcage {
+namespace {
+
+// Where the search for a thickness begins, relative to the edges of the cage to be: smooth surfaces need about 0.25.
+constexpr double first_thickness = 0.02;
+// Where it ends, relative to l: cages farther away are no cages any more.
+constexpr double last_thickness = 0.5;
+
+double growth(Quality quality) {
+  switch (quality) {
+    case Quality::fast:
+      return 1.6;
+    case Quality::standard:
+      return 1.15;
+    case Quality::best:
+      return 1.08;
+  }
+  return 1.15;
+}
+
+}  // namespace
+
+int tightening_passes(Quality quality) {
+  switch (quality) {
+    case Quality::fast:
+      return 0;
+    case Quality::standard:
+      return 2;
+    case Quality::best:
+      return 4;
+  }
+  return 2;
+}
+
+std::vector<double> thickness_steps(const Options& options, double diagonal, double area) {
+  std::vector<double> steps;
+  if (finds_thickness(options)) {
+    const double ratio = growth(options.quality);
+    const double last = last_thickness * diagonal;
+    const double edge = std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(options.face_budget));
+    for (double t = std::min(first_thickness * edge, last); t < last; t *= ratio) steps.push_back(t);
+    steps.push_back(last);
+    return steps;
+  }
+  const double tau = options.tau_absolute > 0 ? options.tau_absolute : options.tau * diagonal;
+  for (const double beta : options.schedule) steps.push_back(beta * tau);
+  if (options.schedule.empty())
+    for (int k = 1; k <= options.cycles; ++k) steps.push_back(static_cast<double>(k) / options.cycles * tau);
+  return steps;
+}
 
 std::string options_error(const Options& options) {
   if (options.tau_absolute != 0 && !(options.tau_absolute > 0 && std::isfinite(options.tau_absolute)))
     return "tau_absolute must be positive and finite";
-  if (options.tau_absolute == 0 && !(options.tau > 0 && options.tau <= 1)) return "tau must be in (0, 1]";
+  if (finds_thickness(options) && options.face_budget == 0)
+    return "tau must be in (0, 1], or 0 together with a face budget";
+  if (options.tau_absolute == 0 && !(options.tau >= 0 && options.tau <= 1)) return "tau must be in [0, 1]";
   if (!(options.sigma > 0 && options.sigma <= 0.01)) return "sigma must be in (0, 0.01]";
   if (options.threads < 0 || options.threads > 4096) return "threads must be in [0, 4096]";
   if (options.schedule.empty()) {

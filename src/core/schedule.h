@@ -1,4 +1,4 @@
-// The staircase schedule (paper eq. 6): which share of tau each cycle may use.
+// The staircase schedule (paper eq. 6): which thickness each cycle may use.
 #pragma once
 
 #include <string>
@@ -8,13 +8,16 @@
 
 namespace prcage {
 
-// The list in the options, or `cycles` uniform steps beta_k = k / cycles.
-inline std::vector<double> schedule_of(const Options& options) {
-  if (!options.schedule.empty()) return options.schedule;
-  std::vector<double> betas;
-  for (int k = 1; k <= options.cycles; ++k) betas.push_back(static_cast<double>(k) / options.cycles);
-  return betas;
-}
+// The thickness of each cycle in the unit of the input, rising. With tau given its shares by the list in the options,
+// or `cycles` uniform steps (k / cycles) tau. Without, growing steps, from a small share of the length of the edges
+// that a cage of the budget has on a surface of this area, to where it is no cage any more.
+std::vector<double> thickness_steps(const Options& options, double diagonal, double area);
+
+// Is the thickness to be found?
+inline bool finds_thickness(const Options& options) { return options.tau == 0 && options.tau_absolute == 0; }
+
+// How often vertices are moved inward after each cycle.
+int tightening_passes(Quality quality);
 
 // Empty if the options are in range, else one sentence that names the option at fault.
 std::string options_error(const Options& options);

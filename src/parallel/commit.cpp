@@ -47,6 +47,14 @@ void commit_collapses(CageState& state, const PatchBatch& batch) {
   state.live_faces -= 2 * batch.count(Verdict::accepted);
 }
 
+void commit_moves(CageState& state, const PatchBatch& batch) {
+  parallel_each(batch.size(), commit_grain, [&](std::size_t i) {
+    if (!batch.alive(i)) return;
+    state.mesh.position[batch.moved[i]] = batch.point[i];
+    take_over_faces(state, batch, i);
+  });
+}
+
 void commit_flips(CageState& state, const PatchBatch& batch) {
   parallel_each(batch.size(), commit_grain, [&](std::size_t i) {
     if (!batch.alive(i)) return;

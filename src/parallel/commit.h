@@ -12,4 +12,6 @@ void commit_collapses(CageState& state, const PatchBatch& batch);
 // Flips the edges of all accepted patches.
 void commit_flips(CageState& state, const PatchBatch& batch);
 
+void commit_moves(CageState& state, const PatchBatch& batch);
+
 }  // namespace prcage

@@ -17,6 +17,7 @@ namespace {
 constexpr std::size_t recent_slots = 1024;
 // The memo is dropped when it takes more than this many bytes; it fills again where it is needed.
 constexpr std::uint64_t memo_limit = std::uint64_t{128} << 20;
+constexpr std::uint64_t measure_after = 10000;
 // What a thread may find between two calls of absorb(); more is not remembered.
 constexpr std::size_t most_found = std::size_t{1} << 20;
 // Voxels are not made smaller than this fraction of the unit of the tree's frame, which keeps their indices small.
@@ -56,6 +57,7 @@ struct DistanceBand::Memo {
   Tree tree{-1};
   tbb::enumerable_thread_specific<ThreadMemo> threads{[this] { return ThreadMemo(tree); }};
   std::uint64_t filled = 0;
+  std::uint64_t unmeasured = 0;  // voxels filled since the size of the tree was looked at
 };
 
 DistanceBand::DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles,
@@ -155,16 +157,24 @@ void DistanceBand::set_voxel_size(double size) {
   if (allowed == voxel_size_) return;
   absorb();
   voxel_size_ = allowed;
+  memo_->threads.clear();  // what they remember is of the old voxels
   memo_->tree.clear();
 }
 
 void DistanceBand::absorb() {
   openvdb::tree::ValueAccessor<Tree, false> writer(memo_->tree);
+  std::uint64_t found = 0;
   for (const ThreadMemo& memo : memo_->threads) {
-    for (const Found& found : memo.found) writer.setValue(found.voxel, found.face);
-    memo_->filled += memo.found.size();
+    for (const Found& f : memo.found) writer.setValue(f.voxel, f.face);
+    found += memo.found.size();
   }
+  if (found == 0) return;
+  memo_->filled += found;
   memo_->threads.clear();  // their accessors point into the tree that has just changed
+  // Measuring it takes a walk over all of its nodes.
+  memo_->unmeasured += found;
+  if (memo_->unmeasured < measure_after) return;
+  memo_->unmeasured = 0;
   if (memo_->tree.memUsage() > memo_limit) memo_->tree.clear();
 }
 

@@ -17,6 +17,13 @@ namespace {
 constexpr double voxels_per_tau = 2;
 // So that rounding in distances cannot carry a proved point beyond tau.
 constexpr double below_one = 1 - 1e-12;
+// Of the thickness of the cycle: shorter moves inward are not worth their tests.
+constexpr double shortest_move = 0.02;
+// The cage begins to carry samples of the input when it has come down to so many faces.
+constexpr std::size_t most_covered_faces = 20000;
+// Where the thickness is found, tightening begins when the cage has come down to so many times its budget, since it
+// lets smaller thicknesses do. A given thickness is used up first.
+constexpr std::size_t earliest_tightening = 6;
 // Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
@@ -36,17 +43,15 @@ class Engine {
     settings_.cost_scale = 1 / (context.diagonal * context.diagonal);
     settings_.float_positions = options.precision == Precision::float32;
     if (settings_.float_positions) settings_.absolute_margin = float_margin(state.mesh);
-    if (options.tau_mode == TauMode::strict) limits_.reach = context.tau * below_one;
-    context.band->set_voxel_size(context.tau / voxels_per_tau);
   }
 
   EngineOutcome run() {
-    const std::vector<double> schedule = schedule_of(*context_.options);
-    for (std::size_t k = 0; k < schedule.size(); ++k) {
+    const std::vector<double>& thickness = context_.thickness;
+    for (std::size_t k = 0; k < thickness.size(); ++k) {
       if (budget_reached()) return EngineOutcome::budget_reached;
       if (cancelled()) return EngineOutcome::cancelled;
       if (k == 0) timed(context_.statistics->seconds.commit, [&] { sort_along_curve(state_); });
-      run_cycle(k, schedule.size(), schedule[k]);
+      run_cycle(k);
     }
     if (cancelled()) return EngineOutcome::cancelled;
     return budget_reached() ? EngineOutcome::budget_reached : EngineOutcome::schedule_finished;
@@ -63,19 +68,19 @@ class Engine {
 
   void report(Control::Stage stage, double part) {
     if (context_.control == nullptr) return;
-    const double done = (static_cast<double>(cycle_) + part) / static_cast<double>(cycles_);
+    const double done = (static_cast<double>(cycle_) + part) / static_cast<double>(context_.thickness.size());
     context_.control->report(stage, static_cast<int>(cycle_) + 1, state_.live_faces, 0.05 + 0.9 * done);
   }
 
-  void run_cycle(std::size_t k, std::size_t cycles, double beta) {
+  void run_cycle(std::size_t k) {
     cycle_ = k;
-    cycles_ = cycles;
     CycleStatistics cycle;
-    cycle.beta = beta;
-    cycle.tau = beta * context_.tau;
+    cycle.tau = context_.thickness[k];
+    cycle.beta = cycle.tau / context_.thickness.back();
     {
       const Stopwatch watch(cycle.seconds);
-      limits_.centroids = settings_.band.tau = cycle.tau * below_one;
+      set_limits(cycle.tau);
+      start_coverage();
       forget_costs(state_);
       report(Control::Stage::collapse, 0);
       while (!cancelled() && !budget_reached() && run_round(cycle)) {
@@ -83,15 +88,41 @@ class Engine {
         report(Control::Stage::collapse, 1 - 1 / (1 + 0.1 * static_cast<double>(cycle.rounds)));
       }
       if (context_.options->flips && !cancelled()) run_flips(cycle);
+      if (!cancelled()) run_tightening(cycle);
     }
     cycle.faces = state_.live_faces;
     context_.statistics->counts += cycle.counts;
     context_.statistics->cycles.push_back(cycle);
   }
 
+  // What is proved of every point is the thickness of the run, if it is known, else that of the cycle.
+  void set_limits(double tau) {
+    const double proved = finds_thickness(*context_.options) ? tau : context_.thickness.back();
+    limits_.centroids = settings_.band.tau = tau * below_one;
+    if (context_.options->tau_mode == TauMode::strict) limits_.reach = proved * below_one;
+    context_.band->set_voxel_size(proved / voxels_per_tau);
+  }
+
   void sort_if_sparse() {
     const double slots = static_cast<double>(state_.mesh.face_slots());
-    if (static_cast<double>(state_.live_faces) < compaction_share * slots) sort_along_curve(state_);
+    if (static_cast<double>(state_.live_faces) >= compaction_share * slots) return;
+    sort_along_curve(state_);
+    if (coverage() != nullptr) assign_samples();
+  }
+
+  // Samples are followed once few enough faces are left for that to be cheap.
+  Coverage* coverage() const {
+    return context_.coverage != nullptr && context_.coverage->assigned() ? context_.coverage : nullptr;
+  }
+
+  // A patch that moves outward can take in a whole component other than its own.
+  bool many_components() const { return context_.input != nullptr && context_.input->components() > 1; }
+
+  void assign_samples() { context_.coverage->assign(state_, context_.frame, *context_.device); }
+
+  void start_coverage() {
+    if (context_.coverage == nullptr || state_.live_faces > most_covered_faces) return;
+    timed(context_.statistics->seconds.distance, [&] { assign_samples(); });
   }
 
   // False if there was nothing left to try.
@@ -112,10 +143,17 @@ class Engine {
     });
     timed(seconds.distance, [&] { test_patches_against_band(state_, *context_.band, limits_, batch); });
     timed(seconds.collide, [&] {
+      if (many_components()) context_.input->reject_sweeps(state_, batch);
       reject_hits_on_cage(state_, *context_.device, batch);
       reject_conflicts(state_, *context_.device, batch);
     });
-    timed(seconds.commit, [&] { commit_collapses(state_, batch); });
+    timed(seconds.distance, [&] {
+      if (coverage() != nullptr) coverage()->test(state_, limits_.centroids, batch);
+    });
+    timed(seconds.commit, [&] {
+      commit_collapses(state_, batch);
+      if (coverage() != nullptr) coverage()->commit(batch);
+    });
     cycle.counts.selected += selected.size();
     cycle.counts.postponed += selected.size() - batch.size();
     count(batch, cycle.counts);
@@ -130,8 +168,27 @@ class Engine {
   void run_flips(CycleStatistics& cycle) {
     report(Control::Stage::flip, 0.95);
     timed(context_.statistics->seconds.flip, [&] {
-      const FlipSettings flips{limits_, context_.options->seed};
+      const FlipSettings flips{limits_, context_.options->seed, coverage(),
+                               many_components() ? context_.input : nullptr};
       flip_edges(state_, flips, context_.frame, *context_.device, *context_.band, context_.control, cycle.counts);
+    });
+  }
+
+  void run_tightening(CycleStatistics& cycle) {
+    TightenSettings tightening;
+    tightening.passes = tightening_passes(context_.options->quality);
+    const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
+    const bool soon =
+        finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
+    if (tightening.passes == 0 || !(last || soon)) return;
+    tightening.limits = limits_;
+    tightening.shortest = shortest_move * limits_.centroids;
+    tightening.float_positions = settings_.float_positions;
+    tightening.seed = context_.options->seed;
+    tightening.coverage = coverage();
+    timed(context_.statistics->seconds.tighten, [&] {
+      cycle.counts.tightened += tighten(state_, tightening, *context_.input, context_.frame, *context_.device,
+                                        *context_.band, context_.control);
     });
   }
 
@@ -139,8 +196,8 @@ class Engine {
     counts.collapses += batch.count(Verdict::accepted);
     counts.rejected_orientation += batch.count(Verdict::sweeps_inward);
     counts.rejected_degenerate += batch.count(Verdict::degenerate);
-    counts.rejected_tau += batch.count(Verdict::beyond_tau);
-    counts.rejected_cage += batch.count(Verdict::hits_cage);
+    counts.rejected_tau += batch.count(Verdict::beyond_tau) + batch.count(Verdict::uncovers_input);
+    counts.rejected_cage += batch.count(Verdict::hits_cage) + batch.count(Verdict::hits_input);
     counts.rejected_conflict += batch.count(Verdict::conflict);
   }
 
@@ -155,7 +212,6 @@ class Engine {
   PlacementSettings settings_;
   BandLimits limits_;
   std::size_t cycle_ = 0;
-  std::size_t cycles_ = 1;
 };
 
 }  // namespace

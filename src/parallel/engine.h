@@ -1,6 +1,6 @@
 // The engine: from a first cage, cycles of the staircase schedule, each a loop of rounds of independent collapses
 // followed by flips (DESIGN of the data flow: evaluate, select, build, collide, resolve, commit). Every cage of the run
-// is valid and encloses the one before.
+// is valid, and encloses the one before unless vertices have been moved inward in between (tighten.h).
 #pragma once
 
 #include <vector>
@@ -8,17 +8,20 @@
 #include "parallel/arena.h"
 #include "parallel/cage_state.h"
 #include "parallel/distance_band.h"
+#include "parallel/tighten.h"
 
 namespace prcage {
 
 struct EngineContext {
   const Options* options;
-  double diagonal;  // l
-  double tau;       // absolute
+  double diagonal;                // l
+  std::vector<double> thickness;  // of each cycle, absolute
   UnitFrame frame;
   const TreeDevice* device;
   DistanceBand* band;
-  Control* control;  // may be null
+  const Obstacle* input;
+  Coverage* coverage;  // null: the distance of the input to the cage is not bounded
+  Control* control;    // may be null
   Statistics* statistics;
 };
 

@@ -106,10 +106,13 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
     test_patches_locally(state, batch);
     test_patches_against_band(state, band, settings.limits, batch);
     test_flips_at_samples(state, band, settings.limits.centroids, batch);
+    if (settings.obstacle != nullptr) settings.obstacle->reject_sweeps(state, batch);
     reject_hits_on_cage(state, device, batch);
     reject_conflicts(state, device, batch);
+    if (settings.coverage != nullptr) settings.coverage->test(state, settings.limits.centroids, batch);
     block_rejected(state.mesh, batch, blocked);
     commit_flips(state, batch);
+    if (settings.coverage != nullptr) settings.coverage->commit(batch);
     counts.flips_tried += batch.size();
     counts.flips += batch.count(Verdict::accepted);
   }

@@ -3,13 +3,16 @@
 #pragma once
 
 #include "parallel/cage_state.h"
-#include "parallel/patches.h"
+#include "parallel/coverage.h"
+#include "parallel/obstacle.h"
 
 namespace prcage {
 
 struct FlipSettings {
   BandLimits limits;
   std::uint64_t seed = 0;
+  Coverage* coverage = nullptr;        // if samples of the input are to stay within limits.centroids
+  const Obstacle* obstacle = nullptr;  // if a flip might take in a component
 };
 
 // Flips until no flip is left, or the caller cancels. The cage is valid after every round.

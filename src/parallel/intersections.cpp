@@ -66,13 +66,11 @@ bool share_one_of(std::span<const std::uint8_t> set, const Triangle& s, const Tr
                      [&](std::uint32_t v) { return (v == t[0] || v == t[1] || v == t[2]) && set[v] != 0; });
 }
 
-bool touch(const SurfaceTree& a, std::uint32_t i, const SurfaceTree& b, std::uint32_t j) {
-  const double* const s[3] = {a.corner(i, 0), a.corner(i, 1), a.corner(i, 2)};
-  const double* const t[3] = {b.corner(j, 0), b.corner(j, 1), b.corner(j, 2)};
+}  // namespace
+
+bool touch(const double* const s[3], const double* const t[3]) {
   return !certainly_separated(s, t) && exact::triangles_intersect(s[0], s[1], s[2], t[0], t[1], t[2]);
 }
-
-}  // namespace
 
 void SurfaceTree::build(const UnitFrame& frame, std::span<const Position> positions,
                         std::span<const Triangle> triangles, std::optional<TreeQuality> quality,
@@ -134,7 +132,7 @@ FacePairs self_intersections(const SurfaceTree& surface, const SurfaceTree& chan
 FacePairs contacts(const SurfaceTree& a, const SurfaceTree& b, std::size_t limit) {
   PairCollector found(limit);
   join(a.runs(), b.runs(), [&](std::uint32_t i, std::uint32_t j) {
-    if (touch(a, i, b, j)) found.add(i, j);
+    if (touch(a.triangle(i).p, b.triangle(j).p)) found.add(i, j);
   });
   return found.result();
 }

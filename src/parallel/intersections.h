@@ -70,6 +70,10 @@ FacePairs self_intersections(const SurfaceTree& surface, std::size_t limit = no_
 FacePairs self_intersections(const SurfaceTree& surface, const SurfaceTree& changed,
                              std::span<const std::uint8_t> is_changed, std::size_t limit = no_limit);
 
+// Do the two closed triangles touch? They have no vertices in common; degenerate ones are the segment or point that
+// they are. Exact.
+bool touch(const double* const s[3], const double* const t[3]);
+
 // Pairs (face of a, face of b) that touch. The two surfaces have no vertices in common; degenerate faces count as the
 // segment or point that they are.
 FacePairs contacts(const SurfaceTree& a, const SurfaceTree& b, std::size_t limit = no_limit);

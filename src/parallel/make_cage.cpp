@@ -5,6 +5,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <optional>
 #include <sstream>
 
 #include "core/mesh_view.h"
@@ -24,6 +25,8 @@ namespace {
 constexpr double longest_move = 50;
 // The radius at which singular vertices are cut off, in steps.
 constexpr double longest_radius = 100;
+// Samples of the input whose distance to the cage is bounded.
+constexpr std::size_t most_samples = 40000;
 // Of the first cycle's tau, for each of the two, so that C_0 lies within it.
 constexpr double largest_share_of_tau = 0.5;
 
@@ -90,7 +93,8 @@ class Pipeline {
   void describe_input() {
     Statistics& s = result_.statistics;
     s.diagonal = result_.validation.diagonal;
-    s.tau = options_.tau_absolute > 0 ? options_.tau_absolute : options_.tau * s.diagonal;
+    thickness_ = thickness_steps(options_, s.diagonal, result_.validation.area);
+    s.tau = thickness_.back();
   }
 
   InitialCage displaced() {
@@ -99,7 +103,7 @@ class Pipeline {
     Statistics& s = result_.statistics;
     DisplacementSettings settings;
     settings.step = options_.sigma * s.diagonal;
-    const double share_of_tau = largest_share_of_tau * schedule_of(options_).front() * s.tau;
+    const double share_of_tau = largest_share_of_tau * thickness_.front();
     settings.longest_move = std::min(longest_move * settings.step, share_of_tau);
     settings.longest_radius = std::min(longest_radius * settings.step, share_of_tau);
     InitialCage first = displace(valid().surface.mesh, valid().tree, settings, device_);
@@ -116,8 +120,14 @@ class Pipeline {
     const Mesh& surface = valid().surface.mesh;
     DistanceBand band(surface.positions, surface.triangles, valid().tree.frame(), valid().tree.tree());
     Statistics& s = result_.statistics;
-    const EngineContext context{&options_, s.diagonal, s.tau, valid().tree.frame(), &device_, &band, control_, &s};
+    const Obstacle obstacle(valid().tree, valid().components, device_);
+    std::optional<Coverage> coverage;
+    if (options_.bound == Bound::both) coverage.emplace(surface.positions, most_samples);
+    const EngineContext context{&options_, s.diagonal, thickness_, valid().tree.frame(),
+                                &device_,  &band,      &obstacle,  coverage ? &*coverage : nullptr,
+                                control_,  &s};
     outcome_ = run_engine(state, context);
+    if (finds_thickness(options_) && !s.cycles.empty()) s.tau = s.cycles.back().tau;
     s.band_voxels = band.voxels_filled();
   }
 
@@ -154,9 +164,10 @@ class Pipeline {
         break;
       case EngineOutcome::schedule_finished:
         if (options_.face_budget != 0) {
-          fail(Status::face_budget_not_reached, "tau allows no fewer than " +
-                                                    std::to_string(result_.statistics.cage_faces) +
-                                                    " faces; a larger tau allows fewer");
+          fail(Status::face_budget_not_reached,
+               (finds_thickness(options_) ? "no thickness allows fewer than " : "tau allows no fewer than ") +
+                   std::to_string(result_.statistics.cage_faces) +
+                   (finds_thickness(options_) ? " faces" : " faces; a larger tau allows fewer, or none given at all"));
           break;
         }
         [[fallthrough]];
@@ -170,6 +181,7 @@ class Pipeline {
   Control* control_;
   Result& result_;
   TreeDevice device_;
+  std::vector<double> thickness_;  // of each cycle
   std::unique_ptr<CheckedMesh> checked_;
   EngineOutcome outcome_ = EngineOutcome::schedule_finished;
 };

@@ -84,12 +84,25 @@ void list_flip(const CornerTable& mesh, PatchBatch& batch, std::size_t i) {
   batch.patch_of[n] = batch.patch_of[n + 1] = static_cast<std::uint32_t>(i);
 }
 
+// The star of a vertex.
+void list_move(const CornerTable& mesh, PatchBatch& batch, std::size_t i) {
+  std::size_t next = batch.first_face[i];
+  for_each_outgoing(mesh, batch.moved[i], [&](std::uint32_t h) {
+    const std::uint32_t f = h / 3;
+    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
+    batch.removed[next] = batch.face[next] = f;  // as many old faces as new ones
+    batch.triangle[next] = {v[0], v[1], v[2]};
+    batch.patch_of[next] = static_cast<std::uint32_t>(i);
+    ++next;
+  });
+}
+
 Vec3 corner(const TriangleRef& t, int i) { return {t.p[i][0], t.p[i][1], t.p[i][2]}; }
 
 // Sign test of the swept tetrahedra: none is negative.
 bool sweeps_outward(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
   const auto faces = batch.removed_faces(i);
-  if (batch.moved[i] == none) {  // flip: the far corner of the second face against the first face
+  if (batch.is_flip(i)) {  // the far corner of the second face against the first face
     const std::uint32_t h = batch.candidate[i].halfedge;
     return exact::orient3d(mesh.point(mesh.origin(h)), mesh.point(mesh.target(h)), mesh.point(mesh.apex(h)),
                            mesh.point(mesh.apex(mesh.twin[h]))) >= 0;
@@ -118,7 +131,7 @@ Vec3 common_direction(const CornerTable& mesh, const PatchBatch& batch, std::siz
     for (int k = 0; k < 3; ++k)
       if (p.v[k] == batch.moved[i]) winds.add(p.p[(k + 1) % 3], p.p[(k + 2) % 3]);
   }
-  if (batch.moved[i] != none && !winds.certainly_once()) return Vec3::Zero();
+  if (!batch.is_flip(i) && !winds.certainly_once()) return Vec3::Zero();
   for (const std::uint32_t f : batch.removed_faces(i)) {
     const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
     if (!certainly_faces(n, mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]))) return Vec3::Zero();
@@ -150,7 +163,7 @@ double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::siz
   if (batch.direction[i].isZero(0)) return std::numeric_limits<double>::infinity();
   const std::uint32_t h = batch.candidate[i].halfedge;
   const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
-  const bool flip = batch.moved[i] == none;
+  const bool flip = batch.is_flip(i), move = batch.is_move(i);
   const ViewAlong view(batch.direction[i], mesh.point(a));
   GraphDisc before, after;
   for (const std::uint32_t f : batch.removed_faces(i)) {
@@ -158,7 +171,7 @@ double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::siz
     const std::array<Vec3, 3> p{view(mesh.point(v[0])), view(mesh.point(v[1])), view(mesh.point(v[2]))};
     before.add_face(p[0], p[1], p[2]);
     for (std::size_t k = 0; k < 3 && !flip; ++k)
-      if (v[k] == a || (v[k] == b && v[(k + 1) % 3] != a)) before.add_inner_edge(p[k], p[(k + 1) % 3]);
+      if (v[k] == a || (!move && v[k] == b && v[(k + 1) % 3] != a)) before.add_inner_edge(p[k], p[(k + 1) % 3]);
   }
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
     const TriangleRef triangle = patch_triangle(mesh, batch, t);
@@ -171,7 +184,8 @@ double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::siz
     before.add_inner_edge(view(mesh.point(a)), view(mesh.point(b)));
     after.add_inner_edge(view(mesh.point(mesh.apex(h))), view(mesh.point(mesh.apex(mesh.twin[h]))));
   } else {
-    for (const std::uint32_t v : {a, b}) before.add_inner_vertex(view(mesh.point(v)));
+    before.add_inner_vertex(view(mesh.point(a)));
+    if (!move) before.add_inner_vertex(view(mesh.point(b)));
     after.add_inner_vertex(view(batch.point[i].data()));
   }
   return largest_gap(before, after);
@@ -201,7 +215,7 @@ void measure_face(const CageState& state, DistanceBand& band, const BandLimits& 
 // Is the vertex that moves out of reach for certain? Spares the measuring of faces that cannot be within it.
 bool moves_too_far(const CageState& state, const DistanceBand& band, const BandLimits& limits, const PatchBatch& batch,
                    std::size_t i) {
-  if (batch.moved[i] == none) return false;
+  if (batch.is_flip(i)) return false;
   const std::uint32_t hint = state.face_near[batch.removed_faces(i)[0]];
   return near_with_hint(band, vec(batch.point[i]), hint, limits.centroids).distance > limits.reach;
 }
@@ -270,10 +284,24 @@ PatchBatch build_flips(const CageState& state, const UnitFrame& frame, const std
   return batch;
 }
 
+PatchBatch build_moves(const CageState& state, const UnitFrame& frame, const std::vector<Candidate>& selected,
+                       std::vector<Position> points) {
+  const CornerTable& mesh = state.mesh;
+  PatchBatch batch = empty_patches(selected);
+  batch.point = std::move(points);
+  for (std::size_t i = 0; i < selected.size(); ++i) batch.moved[i] = mesh.origin(selected[i].halfedge);
+  batch.first_removed = offsets(selected.size(), [&](std::size_t i) { return mesh.valence(batch.moved[i]); });
+  batch.first_face = batch.first_removed;
+  allocate_faces(batch);
+  parallel_each(selected.size(), patch_grain, [&](std::size_t i) { list_move(mesh, batch, i); });
+  set_bounds(mesh, frame, batch);
+  return batch;
+}
+
 void test_patches_locally(const CageState& state, PatchBatch& batch) {
   parallel_each(batch.size(), patch_grain, [&](std::size_t i) {
     batch.direction[i] = common_direction(state.mesh, batch, i);
-    if (!sweeps_outward(state.mesh, batch, i))
+    if (!batch.is_move(i) && !sweeps_outward(state.mesh, batch, i))
       batch.verdict[i] = Verdict::sweeps_inward;
     else if (batch.direction[i].isZero(0) && !proper_patch(state.mesh, batch, i))
       batch.verdict[i] = Verdict::degenerate;

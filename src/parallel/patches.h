@@ -16,11 +16,13 @@ namespace prcage {
 
 enum class Verdict : std::uint8_t {
   accepted,
-  sweeps_inward,  // exact orientation: the cage would move inside one of its faces
-  degenerate,     // a new face is degenerate, or the patch meets itself
-  beyond_tau,     // not proved to be within tau of the input
-  hits_cage,      // meets the rest of the cage
-  conflict,       // meets a cheaper patch of the same round
+  sweeps_inward,   // exact orientation: the cage would move inside one of its faces
+  degenerate,      // a new face is degenerate, or the patch meets itself
+  beyond_tau,      // not proved to be within tau of the input
+  hits_cage,       // meets the rest of the cage
+  hits_input,      // meets the input, or might leave a component of it outside: inward moves only
+  uncovers_input,  // would leave samples of the input farther from the cage than the bound
+  conflict,        // meets a cheaper patch of the same round
 };
 
 // Patches, in the order of the candidates. Patch i replaces the faces removed[first_removed[i] ..) by the triangles
@@ -47,6 +49,11 @@ struct PatchBatch {
   std::vector<std::uint8_t> unproved;    // of each patch: the projection does not prove it free of contacts
 
   std::size_t size() const { return candidate.size(); }
+  // A collapse has two faces fewer afterwards, a flip moves no vertex.
+  bool is_flip(std::size_t i) const { return moved[i] == 0xffffffffu; }
+  bool is_move(std::size_t i) const {
+    return !is_flip(i) && first_removed[i + 1] - first_removed[i] == first_face[i + 1] - first_face[i];
+  }
   std::span<const std::uint32_t> removed_faces(std::size_t i) const {
     return std::span(removed).subspan(first_removed[i], first_removed[i + 1] - first_removed[i]);
   }
@@ -71,6 +78,10 @@ PatchBatch build_collapses(const CageState& state, const UnitFrame& frame, const
 
 // Patches of edge flips with disjoint quadrilaterals.
 PatchBatch build_flips(const CageState& state, const UnitFrame& frame, const std::vector<Candidate>& selected);
+
+// Patches that move the origins of the given halfedges, of which no two are neighbours, to `points`.
+PatchBatch build_moves(const CageState& state, const UnitFrame& frame, const std::vector<Candidate>& selected,
+                       std::vector<Position> points);
 
 // Exact: p of each collapse is on the outer side of, or on, every face of its star; a flip adds volume outside; no
 // new face is degenerate; no patch meets itself. Sets `direction` where there is one.

@@ -1,0 +1,98 @@
+#include "parallel/coverage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "parallel/closest_face.h"
+#include "parallel/parallel_for.h"
+
+namespace prcage {
+
+Coverage::Coverage(std::span<const Position> positions, std::size_t most) {
+  const std::size_t stride = (positions.size() + most - 1) / most;
+  for (std::size_t v = 0; v < positions.size(); v += stride) sample_.push_back(positions[v]);
+  distance_.resize(sample_.size());
+  next_.resize(sample_.size());
+  face_.resize(sample_.size());
+  face_distance_.resize(sample_.size());
+}
+
+void Coverage::assign(const CageState& state, const UnitFrame& frame, const TreeDevice& device) {
+  const CornerTable& mesh = state.mesh;
+  std::vector<Triangle> triangles(mesh.face_slots());
+  for (std::size_t f = 0; f < triangles.size(); ++f) std::copy_n(&mesh.corner_vertex[3 * f], 3, triangles[f].begin());
+  BoxTree tree(device);
+  tree.build(state.face_box, TreeQuality::fast_query);
+  const ClosestFace closest(mesh.position, triangles, frame, tree);
+  parallel_chunks(sample_.size(), 256, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t hint = none;  // samples lie along a curve
+    for (std::size_t s = begin; s < end; ++s) {
+      const ClosestFace::Near near = closest.nearest(vec(sample_[s]), hint);
+      hint = face_[s] = near.face;
+      distance_[s] = round_distance_up(near.distance);
+    }
+  });
+  first_.assign(triangles.size(), none);
+  for (std::uint32_t s = 0; s < sample_.size(); ++s) {
+    next_[s] = first_[face_[s]];
+    first_[face_[s]] = s;
+  }
+}
+
+bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBatch& batch, std::size_t i) {
+  struct NewFace {
+    std::uint32_t number;
+    TriangleDistance distance;
+  };
+  std::vector<NewFace> faces;
+  for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
+    const TriangleRef p = patch_triangle(state.mesh, batch, t);
+    const auto at = [&](int k) { return Vec3(p.p[k][0], p.p[k][1], p.p[k][2]); };
+    faces.push_back({batch.face[t], TriangleDistance(at(0), at(1), at(2))});
+  }
+  for (const std::uint32_t f : batch.removed_faces(i)) {
+    for (std::uint32_t s = first_[f]; s != none; s = next_[s]) {
+      double least = std::numeric_limits<double>::infinity();
+      for (const NewFace& face : faces) {
+        const double d = face.distance.squared(vec(sample_[s]));
+        if (d < least) {
+          least = d;
+          face_[s] = face.number;
+        }
+      }
+      face_distance_[s] = round_distance_up(std::sqrt(least));
+      if (face_distance_[s] > std::max<double>(bound, distance_[s])) return false;
+    }
+  }
+  return true;
+}
+
+void Coverage::test(const CageState& state, double bound, PatchBatch& batch) {
+  parallel_each(batch.size(), 1, [&](std::size_t i) {
+    if (batch.alive(i) && !keeps_samples(state, bound, batch, i)) batch.verdict[i] = Verdict::uncovers_input;
+  });
+}
+
+void Coverage::commit(const PatchBatch& batch) {
+  parallel_each(batch.size(), 16, [&](std::size_t i) {
+    if (!batch.alive(i)) return;
+    std::uint32_t samples = none;  // of all removed faces, in one list
+    for (const std::uint32_t f : batch.removed_faces(i)) {
+      for (std::uint32_t s = first_[f], next = none; s != none; s = next) {
+        next = next_[s];
+        next_[s] = samples;
+        samples = s;
+      }
+      first_[f] = none;
+    }
+    for (std::uint32_t s = samples, next = none; s != none; s = next) {
+      next = next_[s];
+      distance_[s] = face_distance_[s];
+      next_[s] = first_[face_[s]];
+      first_[face_[s]] = s;
+    }
+  });
+}
+
+}  // namespace prcage

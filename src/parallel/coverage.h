@@ -1,0 +1,44 @@
+// The other direction: how far the input is from the cage. Collapses bridge hollows and let thin parts of a cage shrink
+// away without any point of the cage leaving the band. So each face of the cage carries the samples of the input that
+// are near it; an operation that would take one of them out of the bound is refused, and those that stay are handed on
+// to the faces that replace theirs.
+//
+// Samples are vertices of the input, all of them or an even choice of many; between them nothing is proved.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "parallel/patches.h"
+
+namespace prcage {
+
+class Coverage {
+ public:
+  // Up to `most` of the positions, in steps of equal length: even over a surface whose vertices lie along a curve.
+  Coverage(std::span<const Position> positions, std::size_t most);
+
+  // Gives each sample to the face of the cage nearest to it. Needed before anything else, and again whenever faces have
+  // got new numbers.
+  void assign(const CageState& state, const UnitFrame& frame, const TreeDevice& device);
+  bool assigned() const { return !first_.empty(); }
+
+  // Rejects patches that take a sample farther than `bound` from the faces that it comes to, and farther than it was.
+  // Patches of a batch replace different faces.
+  void test(const CageState& state, double bound, PatchBatch& batch);
+  // Hands on the samples of the accepted patches that were tested last.
+  void commit(const PatchBatch& batch);
+
+ private:
+  bool keeps_samples(const CageState& state, double bound, const PatchBatch& batch, std::size_t i);
+
+  std::vector<Position> sample_;
+  std::vector<float> distance_;       // of each sample to its face
+  std::vector<std::uint32_t> next_;   // sample: the next one of the same face, or none
+  std::vector<std::uint32_t> first_;  // face: its first sample, or none
+  std::vector<std::uint32_t> face_;   // sample: where it goes if the patch is accepted
+  std::vector<float> face_distance_;  // and how far it is from there
+};
+
+}  // namespace prcage

@@ -1,0 +1,93 @@
+#include "parallel/obstacle.h"
+
+#include <atomic>
+#include <cmath>
+#include <numbers>
+
+#include "core/filtered_cross.h"
+#include "parallel/parallel_for.h"
+#include "parallel/winding.h"
+
+namespace prcage {
+namespace {
+
+bool alive(PatchBatch& batch, std::uint32_t patch) {
+  return std::atomic_ref(batch.verdict[patch]).load(std::memory_order_relaxed) == Verdict::accepted;
+}
+
+void reject(PatchBatch& batch, std::uint32_t patch) {
+  std::atomic_ref(batch.verdict[patch]).store(Verdict::hits_input, std::memory_order_relaxed);
+}
+
+bool contains(const Box& outer, const Box& inner) {
+  bool all = true;
+  for (int k = 0; k < 3; ++k) all &= (outer.lower[k] <= inner.lower[k]) & (inner.upper[k] <= outer.upper[k]);
+  return all;
+}
+
+// Solid angle of a triangle seen from x (van Oosterom and Strackee 1983).
+double solid_angle(const double* const p[3], const Vec3& x) {
+  const Vec3 a = difference(x.data(), p[0]), b = difference(x.data(), p[1]), c = difference(x.data(), p[2]);
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+}
+
+// Is x between the old faces and the new ones? Together they are a closed surface, which x is not on.
+bool sweeps_over(const CageState& state, const PatchBatch& batch, std::uint32_t patch, const Vec3& x) {
+  double sum = 0;
+  for (std::size_t t = batch.first_face[patch]; t < batch.first_face[patch + 1]; ++t)
+    sum += solid_angle(patch_triangle(state.mesh, batch, t).p, x);
+  for (const std::uint32_t f : batch.removed_faces(patch)) {
+    const std::uint32_t* v = &state.mesh.corner_vertex[3 * std::size_t{f}];
+    const double* const p[3] = {state.mesh.point(v[0]), state.mesh.point(v[1]), state.mesh.point(v[2])};
+    sum -= solid_angle(p, x);
+  }
+  return std::abs(sum) > 2 * std::numbers::pi;  // 4 pi inside, 0 outside
+}
+
+}  // namespace
+
+Obstacle::Obstacle(const SurfaceTree& surface, const Components& components, const TreeDevice& device)
+    : surface_(surface),
+      device_(device),
+      component_point_(component_points(surface.positions(), surface.triangles(), components)),
+      component_box_(components.count()),
+      component_tree_(device) {
+  parallel_each(components.count(), 1, [&](std::size_t c) {
+    for (const std::uint32_t f : components[c])
+      component_box_[c].unite(
+          bounding_box(surface.frame(), {surface.corner(f, 0), surface.corner(f, 1), surface.corner(f, 2)}));
+  });
+  component_tree_.build(component_box_, TreeQuality::fast_build);
+}
+
+void Obstacle::reject_sweeps(const CageState& state, PatchBatch& batch) const {
+  std::vector<Box> swept(batch.size());
+  parallel_each(batch.size(), 256, [&](std::size_t i) {
+    if (!batch.alive(i)) return;
+    for (const Box& box : batch.boxes(i)) swept[i].unite(box);
+    for (const std::uint32_t f : batch.removed_faces(i)) swept[i].unite(state.face_box[f]);
+  });
+  BoxTree patches(device_);
+  patches.build(swept, TreeQuality::fast_build);
+  join(patches, component_tree_, [&](std::uint32_t patch, std::uint32_t c) {
+    if (contains(swept[patch], component_box_[c]) && alive(batch, patch) &&
+        sweeps_over(state, batch, patch, vec(component_point_[c])))
+      reject(batch, patch);
+  });
+}
+
+void Obstacle::reject_hits(const CageState& state, PatchBatch& batch) const {
+  std::vector<Box> boxes = batch.box;
+  for (std::size_t t = 0; t < boxes.size(); ++t)
+    if (!batch.alive(batch.patch_of[t])) boxes[t] = Box{};
+  BoxTree triangles(device_);
+  triangles.build(boxes, TreeQuality::fast_build);
+  join(triangles, surface_.runs(), [&](std::uint32_t t, std::uint32_t f) {
+    const std::uint32_t patch = batch.patch_of[t];
+    if (alive(batch, patch) && touch(patch_triangle(state.mesh, batch, t).p, surface_.triangle(f).p))
+      reject(batch, patch);
+  });
+}
+
+}  // namespace prcage
