@@ -56,12 +56,13 @@ class CageRun {
 
  private:
   ExitCode read_make_write() {
-    if (!writable(command_.output) || (!command_.stats.empty() && !writable(command_.stats))) {
+    if (!outputs_writable()) {
       return fail("cannot_write", "an output cannot be written", ExitCode::cannot_write);
     }
     input_ = read_input(command_.input, command_.weld);
     if (!input_.file.ok) return fail("cannot_read", input_.file.error, ExitCode::cannot_read);
     make();
+    if (write_wrap() != ExitCode::ok) return fail("cannot_write", "the wrap cannot be written", ExitCode::cannot_write);
     if (!has_cage()) {
       explain_failure();
       return exit_code_of(result_->status);
@@ -69,6 +70,12 @@ class CageRun {
     if (write_cage() != ExitCode::ok) return fail("cannot_write", "the cage cannot be written", ExitCode::cannot_write);
     summarise();
     return exit_code_of(result_->status);
+  }
+
+  bool outputs_writable() const {
+    const auto asked_for = [](const std::string& path) { return !path.empty(); };
+    return writable(command_.output) && (!asked_for(command_.stats) || writable(command_.stats)) &&
+           (!asked_for(command_.wrap_output) || writable(command_.wrap_output));
   }
 
   ExitCode fail(const char* status, const std::string& message, ExitCode code) {
@@ -89,10 +96,22 @@ class CageRun {
         bar.emplace([this, &control](double seconds) { return progress_line(control, cycles(), seconds); });
       }
     }
-    result_ = make_cage(input_.file.mesh, command_.options, &control);
+    result_ = command_.wrap ? cage_of_wrap(control) : make_cage(input_.file.mesh, command_.options, &control);
     distrust_without_certificate();
     record_.status = to_string(result_->status);
     record_.message = result_->message;
+  }
+
+  Result cage_of_wrap(Control& control) {
+    record_.wrap = alpha_wrap(input_.file.mesh, *command_.wrap, &control);
+    command_.wrap = record_.wrap->settings;
+    if (record_.wrap->status == Status::ok) {
+      return make_cage_around(input_.file.mesh, record_.wrap->mesh, command_.options, &control);
+    }
+    Result result;
+    result.status = record_.wrap->status;
+    result.message = record_.wrap->message;
+    return result;
   }
 
   int cycles() const {
@@ -119,22 +138,33 @@ class CageRun {
     return written;
   }
 
+  // Also where no cage could be made of it: somebody will want to look at it.
+  ExitCode write_wrap() const {
+    if (command_.wrap_output.empty() || record_.wrap->status != Status::ok) return ExitCode::ok;
+    return write_output(command_.wrap_output, command_.wrap_format, record_.wrap->mesh,
+                        fmt::format("alpha wrap by prcage {}", version()));
+  }
+
   void explain_failure() const {
     const Result& result = *result_;
-    if (result.status == Status::invalid_input) {
+    if (result.status == Status::invalid_input && !command_.wrap) {
       print_error(validation_headline(input_, result.validation));
       fmt::print(stderr, "{}", validation_details(input_, result.validation));
+      if (result.validation.faces > 0) fmt::print(stderr, "{}", wrap_hint());
     } else if (result.status == Status::cancelled) {
       print_error("interrupted before there was a cage; nothing written");
     } else {
       print_error(fmt::format("{}: {}; nothing written", to_string(result.status), result.message));
     }
-    if (result.status == Status::certificate_failed) fmt::print(stderr, "{}", certificate_text(result.certificate));
+    if (result.status == Status::certificate_failed) {
+      fmt::print(stderr, "{}", certificate_text(result.certificate, command_.wrap.has_value()));
+    }
   }
 
   void summarise() const {
     if (!command_.quiet) {
-      fmt::print(stderr, "{}", run_text(command_, input_, *result_, timer_.seconds()));
+      const Wrap* wrap = record_.wrap ? &*record_.wrap : nullptr;
+      fmt::print(stderr, "{}", run_text(command_, input_, *result_, wrap, timer_.seconds()));
     }
     const std::size_t faces = result_->cage.triangles.size();
     if (result_->status == Status::face_budget_not_reached) {

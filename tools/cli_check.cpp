@@ -34,15 +34,23 @@ std::string defects_text(const InputMesh& input, int threads) {
 
 std::string pair_text(const CheckCommand& command, const InputMesh& input, const InputMesh& cage,
                       const Certificate& certificate) {
-  const std::string text = pair_headline(input, cage) + certificate_text(certificate);
+  const std::string text = pair_headline(input, cage) + certificate_text(certificate, !command.wrap.empty());
   if (certificate.valid()) return text;
+  if (!command.wrap.empty()) return text + defects_text(cage, command.threads);
   return text + defects_text(cage, command.threads) + defects_text(input, command.threads);
 }
 
 ExitCode check_pair(const CheckCommand& command, const InputMesh& input) {
   const InputMesh cage = read_input(command.cage, false);
   if (!cage.file.ok) return ExitCode::cannot_read;
-  const Certificate certificate = certify(input.file.mesh, cage.file.mesh, command.threads);
+  Certificate certificate;
+  if (command.wrap.empty()) {
+    certificate = certify(input.file.mesh, cage.file.mesh, command.threads);
+  } else {
+    const InputMesh wrap = read_input(command.wrap, false);
+    if (!wrap.file.ok) return ExitCode::cannot_read;
+    certificate = certify_around(input.file.mesh, wrap.file.mesh, cage.file.mesh, command.threads);
+  }
   return report(
       command.json ? certificate_json(input, cage, certificate) : pair_text(command, input, cage, certificate),
       certificate.valid() ? ExitCode::ok : ExitCode::no_cage);

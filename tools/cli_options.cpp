@@ -18,14 +18,20 @@
 namespace prcage {
 namespace {
 
+constexpr const char* licence_text = "Licence: Apache-2.0. Nothing that it links requires the GPL. Libraries:\n";
+constexpr const char* licence_with_wrap_text =
+    "Licence: Apache-2.0; GPL-3.0-or-later as a whole, because of the alpha wrap that is built in. Libraries:\n"
+    "  CGAL Alpha_wrap_3 and what it uses of CGAL (GPL-3.0-or-later),\n";
 constexpr const char* libraries_text =
-    "Licence: Apache-2.0. Nothing that it links requires the GPL. Libraries:\n"
     "  CGAL kernel (LGPL-3.0-or-later), GMP and MPFR (LGPL-3.0-or-later), Embree (Apache-2.0), oneTBB (Apache-2.0),\n"
     "  OpenVDB (MPL-2.0), Eigen (MPL-2.0), Boost (BSL-1.0), xsimd (BSD-3-Clause), {fmt} (MIT), CLI11 (BSD-3-Clause),\n"
     "  JSON for Modern C++ (MIT), xxHash (BSD-2-Clause), SQLite (public domain), zlib (Zlib), libpng (libpng-2.0),\n"
     "  meshoptimizer (MIT); in the page of a report: three.js (MIT), Tabulator (MIT), Observable Plot and D3 (ISC)";
 
-std::string version_text() { return fmt::format("prcage {}\n{}", version(), libraries_text); }
+std::string version_text() {
+  return fmt::format("prcage {}\n{}{}", version(), has_alpha_wrap() ? licence_with_wrap_text : licence_text,
+                     libraries_text);
+}
 
 bool parse_decimal(std::string_view text, double& value) {
   const char* end = text.data() + text.size();
@@ -116,14 +122,17 @@ void add_weld(CLI::App& app, bool& weld) {
   add_flag(app, "--weld", weld, "Merge vertices of the input at equal positions (STL is always welded)");
 }
 
-// The format to write `path` in: as asked for, or as its extension says.
-MeshFormat output_format(const std::string& path, const std::optional<MeshFormat>& asked) {
+MeshFormat format_of_extension(const std::string& option, const std::string& path, const std::string& remedy) {
   MeshFormat format{};
-  if (asked) return *asked;
   if (mesh_format_of_path(path, format)) return format;
   const std::string what = path == "-" ? std::string("standard output has no extension")
                                        : fmt::format("the extension of '{}' is none of .ply, .obj, .stl, .off", path);
-  throw CLI::ValidationError("--output", fmt::format("{}: say --format", what));
+  throw CLI::ValidationError(option, what + remedy);
+}
+
+// The format to write `path` in: as asked for, or as its extension says.
+MeshFormat output_format(const std::string& path, const std::optional<MeshFormat>& asked) {
+  return asked ? *asked : format_of_extension("--output", path, ": say --format");
 }
 
 // ----------------------------------------------------------------------------------------------- the commands
@@ -212,6 +221,47 @@ void add_schedule(CLI::App& app, Options& options) {
       ->excludes(cycles);
 }
 
+// The two ways to a wrap: one for input that is not legal, one for handles that the cage shall not have.
+struct WrapOptions {
+  bool wrap = false;
+  std::string output;
+  WrapSettings settings;
+  double topology_alpha = 0;  // 0: not given
+};
+
+void add_wrap(CLI::App& app, WrapOptions& options) {
+  CLI::Option* wrap = app.add_flag("--wrap", options.wrap,
+                                   "Accept any triangles (open, intersecting, ...): cage an alpha wrap\n"
+                                   "of the input; the cage is certified to enclose every face of it");
+  wrap->disable_flag_override();
+  add_ratio(app, "--wrap-alpha", options.settings.alpha, 1,
+            "With --wrap: radius, relative to the diagonal, of the ball that\n"
+            "openings must let through to stay open [1/20 where the input has\n"
+            "a boundary, else 1/100]")
+      ->needs(wrap);
+  add_ratio(app, "--wrap-offset", options.settings.offset, 1,
+            "With --wrap: distance of the wrap, relative to the diagonal [1/600]")
+      ->needs(wrap);
+  add_ratio(app, "--simplify-topology", options.topology_alpha, 1,
+            "Close tunnels and handles that a ball of this radius, relative to\n"
+            "the diagonal, cannot pass: cage a wrap at a distance of 1/3000")
+      ->excludes(wrap);
+  app.add_option("--wrap-output", options.output, "Also write the wrap, in the format that the extension says")
+      ->type_name("FILE");
+}
+
+void choose_wrap(const WrapOptions& options, CageCommand& command) {
+  const bool topology = options.topology_alpha > 0;
+  if (!options.wrap && !topology) {
+    if (options.output.empty()) return;
+    throw CLI::ValidationError("--wrap-output", "there is no wrap without --wrap or --simplify-topology");
+  }
+  if (!has_alpha_wrap()) throw CLI::ValidationError(topology ? "--simplify-topology" : "--wrap", missing_alpha_wrap);
+  command.wrap = topology ? WrapSettings{options.topology_alpha, topology_offset} : options.settings;
+  command.wrap_output = options.output;
+  if (!options.output.empty()) command.wrap_format = format_of_extension("--wrap-output", options.output, "");
+}
+
 // What decides on the cage, however many of them are made.
 void add_cage_settings(CLI::App& app, CageCommand& command, bool& no_edge_flips) {
   add_tau(app, command.options);
@@ -231,7 +281,8 @@ void add_cage_settings(CLI::App& app, CageCommand& command, bool& no_edge_flips)
   add_weld(app, command.weld);
 }
 
-void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips) {
+void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips,
+              WrapOptions& wrap) {
   app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
       ->required()
       ->type_name("");
@@ -239,14 +290,16 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
       ->required()
       ->type_name("OUTPUT");
   add_cage_settings(app, command, no_edge_flips);
+  add_wrap(app, wrap);
   add_threads(app, command.options.threads);
   app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
       ->type_name("FILE");
   add_format(app, format);
   add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
-  app.callback([&app, &command, &format, &no_edge_flips] {
+  app.callback([&app, &command, &format, &no_edge_flips, &wrap] {
     find_thickness_if_free(app, command.options);
     command.format = output_format(command.output, format);
+    choose_wrap(wrap, command);
     command.options.flips = !no_edge_flips;
     if (command.output == "-" && command.stats == "-") {
       throw CLI::ValidationError("--stats", "the cage and the statistics cannot both go to standard output");
@@ -256,8 +309,14 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
 
 void add_check(CLI::App& app, CheckCommand& command) {
   app.add_option("INPUT", command.input, "Mesh to validate; - is standard input")->required()->type_name("");
-  app.add_option("--cage", command.cage, "Certify this cage against INPUT instead; - is standard input")
-      ->type_name("FILE");
+  CLI::Option* cage =
+      app.add_option("--cage", command.cage, "Certify this cage against INPUT instead; - is standard input");
+  cage->type_name("FILE");
+  app.add_option("--wrap", command.wrap,
+                 "The wrap of INPUT that was caged: the cage must enclose every face of\n"
+                 "INPUT, whatever these form, and have the topology of the wrap")
+      ->type_name("FILE")
+      ->needs(cage);
   add_flag(app, "--json", command.json, "Report as JSON");
   add_weld(app, command.weld);
   add_threads(app, command.threads);
@@ -265,6 +324,7 @@ void add_check(CLI::App& app, CheckCommand& command) {
     if (command.input == "-" && command.cage == "-") {
       throw CLI::ValidationError("--cage", "the mesh and the cage cannot both come from standard input");
     }
+    if (command.wrap == "-") throw CLI::ValidationError("--wrap", "the wrap cannot come from standard input");
   });
 }
 
@@ -459,6 +519,7 @@ struct Parsed {
   std::optional<MeshFormat> cage_format;
   std::optional<MeshFormat> make_format;
   bool no_edge_flips = false;
+  WrapOptions wrap;
   std::string help_topic;
 };
 
@@ -484,7 +545,7 @@ void add_commands(CLI::App& app, Parsed& parsed) {
   add_cage(
       add_command(app, "cage", "Make a certified cage of few faces around a dense mesh", {"INPUT -o OUTPUT [OPTIONS]"},
                   {cannot_read, invalid_mesh, face_budget_not_reached, no_cage, cannot_write, interrupted}),
-      parsed.cage, parsed.cage_format, parsed.no_edge_flips);
+      parsed.cage, parsed.cage_format, parsed.no_edge_flips, parsed.wrap);
   add_check(add_command(app, "check", "Validate a mesh, or certify a cage against a mesh",
                         {"INPUT [OPTIONS]", "INPUT --cage FILE [OPTIONS]"},
                         {cannot_read, invalid_mesh, no_cage, cannot_write}),

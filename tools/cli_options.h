@@ -13,6 +13,7 @@
 #include "tools/batch_inputs.h"
 #include "tools/exit_codes.h"
 #include "tools/render.h"
+#include "tools/wrap/alpha_wrap.h"
 
 namespace prcage {
 
@@ -23,12 +24,16 @@ struct CageCommand {
   std::string stats;    // file of the JSON statistics; empty: none
   bool weld = false;
   bool quiet = false;
+  std::optional<WrapSettings> wrap;  // to cage an alpha wrap of the input
+  std::string wrap_output;           // file of that wrap; empty: none
+  MeshFormat wrap_format{};
   Options options;
 };
 
 struct CheckCommand {
   std::string input;
   std::string cage;  // empty: validate the input only
+  std::string wrap;  // empty: the cage is one of the input itself
   bool json = false;
   bool weld = false;
   int threads = 0;

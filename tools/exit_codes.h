@@ -8,7 +8,7 @@ namespace prcage {
 enum class ExitCode : int {
   ok = 0,
   internal_error = 1,           // a defect of the program, or out of memory
-  usage = 2,                    // unknown or malformed option, nothing done
+  usage = 2,                    // unknown or malformed option, or one that this build lacks; nothing done
   cannot_read = 3,              // no such file, or not a mesh
   invalid_mesh = 4,             // the input has defects: no cage can be made of it
   face_budget_not_reached = 5,  // the cage is valid and written, but has more faces than asked for
@@ -36,7 +36,7 @@ constexpr const char* meaning(ExitCode code) {
     case ExitCode::internal_error:
       return "internal error, or out of memory";
     case ExitCode::usage:
-      return "unknown or malformed command, argument or option";
+      return "unknown or malformed command, argument or option, or one that this build lacks";
     case ExitCode::cannot_read:
       return "a file cannot be read, or is not a mesh";
     case ExitCode::invalid_mesh:

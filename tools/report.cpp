@@ -176,6 +176,21 @@ std::string dropped_text(const Validation& validation) {
   return joined(parts);
 }
 
+// What is not even wrapped.
+std::string dropped_text(const DroppedFaces& dropped) {
+  std::vector<std::string> parts;
+  add_if(parts, dropped.index_out_of_range, "face with an index out of range", "faces with an index out of range");
+  add_if(parts, dropped.not_finite, "face that is not finite or too large", "faces that are not finite or too large");
+  add_if(parts, dropped.no_area, "zero-area face", "zero-area faces");
+  return joined(parts);
+}
+
+std::string wrap_text(const Wrap& wrap) {
+  return fmt::format("{}, alpha {:.3g} and offset {:.3g} of the diagonal, {:.2f} s",
+                     counted(wrap.mesh.triangles.size(), "face", "faces"), wrap.settings.alpha, wrap.settings.offset,
+                     wrap.seconds);
+}
+
 void add_line(std::string& text, const char* label, const std::string& line) {
   if (!line.empty()) add(text, "  {:<14} {}\n", label, line);
 }
@@ -288,7 +303,12 @@ std::string pair_headline(const InputMesh& input, const InputMesh& cage) {
                      cage.file.mesh.triangles.size(), input_name(input.path), input.file.mesh.triangles.size());
 }
 
-std::string certificate_text(const Certificate& certificate) {
+std::string wrap_hint() {
+  return "  or take it as it is: --wrap cages an alpha wrap of it; the cage then encloses every face of\n"
+         "  the input, but has the topology of the wrap\n";
+}
+
+std::string certificate_text(const Certificate& certificate, bool of_wrap) {
   std::string text = fmt::format("certificate: {}\n", certificate.valid() ? "valid" : "NOT VALID");
   add_check(text, "closed", certificate.closed);
   add_check(text, "manifold", certificate.manifold);
@@ -298,10 +318,10 @@ std::string certificate_text(const Certificate& certificate) {
             pairs_note(certificate.self_intersections));
   add_check(text, "no contact with the input", certificate.no_contact, pairs_note(certificate.contacts));
   add_check(text, "encloses the input", certificate.encloses);
-  add_check(text, "same Euler characteristic", certificate.euler_characteristic_equal,
-            std::to_string(certificate.euler_characteristic));
-  add_check(text, "same number of components", certificate.component_count_equal,
-            std::to_string(certificate.components));
+  add_check(text, of_wrap ? "wrap's Euler characteristic" : "same Euler characteristic",
+            certificate.euler_characteristic_equal, std::to_string(certificate.euler_characteristic));
+  add_check(text, of_wrap ? "wrap's number of components" : "same number of components",
+            certificate.component_count_equal, std::to_string(certificate.components));
   return text;
 }
 
@@ -316,7 +336,8 @@ std::string evaluation_text(const InputMesh& input, const InputMesh& cage, const
   return text + deviation_text(measures) + sizes_text(measures);
 }
 
-std::string run_text(const CageCommand& command, const InputMesh& input, const Result& result, double seconds) {
+std::string run_text(const CageCommand& command, const InputMesh& input, const Result& result, const Wrap* wrap,
+                     double seconds) {
   const Statistics& statistics = result.statistics;
   std::string text = fmt::format("{} -> {}: {} -> {}\n", input_name(command.input), output_name(command.output),
                                  counted(statistics.input_faces, "face", "faces"), statistics.cage_faces);
@@ -325,12 +346,14 @@ std::string run_text(const CageCommand& command, const InputMesh& input, const R
                        counted(static_cast<std::size_t>(statistics.threads), "thread", "threads"),
                        static_cast<double>(statistics.peak_memory_bytes) * 1e-6));
   add_line(text, "tau",
-           fmt::format("{:.6g} = {:.6g} of the diagonal, {}", statistics.tau, statistics.tau / statistics.diagonal,
-                       command.options.tau_mode == TauMode::strict ? "strict" : "at face centroids only"));
+           fmt::format("{:.6g} = {:.6g} of the diagonal, {}{}", statistics.tau, statistics.tau / statistics.diagonal,
+                       command.options.tau_mode == TauMode::strict ? "strict" : "at face centroids only",
+                       wrap == nullptr ? "" : ", from the wrap"));
+  if (wrap != nullptr) add_line(text, "wrap", wrap_text(*wrap));
   add_line(text, "displacement", displacement_text(statistics));
   add_line(text, "reader", reader_text(input));
-  add_line(text, "dropped", dropped_text(result.validation));
-  return text + certificate_text(result.certificate);
+  add_line(text, "dropped", wrap == nullptr ? dropped_text(result.validation) : dropped_text(wrap->dropped));
+  return text + certificate_text(result.certificate, wrap != nullptr);
 }
 
 std::string info_text(const InputMesh& input, const MeshMeasures& measures) {

@@ -8,6 +8,7 @@
 #include "tools/cli_files.h"
 #include "tools/cli_options.h"
 #include "tools/report_measures.h"
+#include "tools/wrap/alpha_wrap.h"
 
 namespace prcage {
 
@@ -20,14 +21,18 @@ std::string validation_details(const InputMesh& input, const Validation& validat
 // One line: which mesh is looked at as the cage of which.
 std::string pair_headline(const InputMesh& input, const InputMesh& cage);
 
-// Line by line what was proved and what was not.
-std::string certificate_text(const Certificate& certificate);
+// The last of the remedies: what can be done with an input that is not to be repaired.
+std::string wrap_hint();
+
+// Line by line what was proved and what was not. `of_wrap`: the topology is that of a wrap.
+std::string certificate_text(const Certificate& certificate, bool of_wrap = false);
 
 // What a cage is worth: the paper's conditions and measures. Those of `measures` must have been computed.
 std::string evaluation_text(const InputMesh& input, const InputMesh& cage, const CageMeasures& measures);
 
-// Summary of a run that has a cage.
-std::string run_text(const CageCommand& command, const InputMesh& input, const Result& result, double seconds);
+// Summary of a run that has a cage. `wrap` is null if the input itself was caged.
+std::string run_text(const CageCommand& command, const InputMesh& input, const Result& result, const Wrap* wrap,
+                     double seconds);
 
 std::string info_text(const InputMesh& input, const MeshMeasures& measures);
 

@@ -116,6 +116,22 @@ Json json_of(const StageSeconds& seconds) {
           PRCAGE_FIELD(seconds, flip),     PRCAGE_FIELD(seconds, tighten),  PRCAGE_FIELD(seconds, certify)};
 }
 
+Json json_of(const DroppedFaces& dropped) {
+  return {PRCAGE_FIELD(dropped, index_out_of_range), PRCAGE_FIELD(dropped, not_finite), PRCAGE_FIELD(dropped, no_area)};
+}
+
+Json json_of(const Wrap& wrap) {
+  return {{"status", to_string(wrap.status)},
+          {"alpha", wrap.settings.alpha * wrap.diagonal},
+          {"offset", wrap.settings.offset * wrap.diagonal},
+          {"vertices", wrap.mesh.positions.size()},
+          {"faces", wrap.mesh.triangles.size()},
+          {"dropped", json_of(wrap.dropped)},
+          PRCAGE_FIELD(wrap, seconds)};
+}
+
+Json json_of(const WrapSettings& settings) { return {PRCAGE_FIELD(settings, alpha), PRCAGE_FIELD(settings, offset)}; }
+
 Json json_of(const Statistics& statistics) {
   Json cycles = Json::array();
   for (const CycleStatistics& cycle : statistics.cycles) cycles.push_back(json_of(cycle));
@@ -166,6 +182,7 @@ Json json_of(const CageCommand& command, double diagonal) {
           PRCAGE_FIELD(command, output),
           {"format", to_string(command.format)},
           PRCAGE_FIELD(command, weld),
+          {"wrap", command.wrap ? json_of(*command.wrap) : Json()},
           PRCAGE_FIELD(options, tau),
           PRCAGE_FIELD(options, tau_absolute),
           {"tau_mode", options.tau_mode == TauMode::strict ? "strict" : "paper"},
@@ -262,6 +279,7 @@ std::string run_json(const CageCommand& command, const InputMesh* input, const R
   json["seconds"] = {
       {"total", record.total_seconds}, {"read", input ? input->seconds : 0}, {"write", record.write_seconds}};
   if (input) json["input"] = json_of(*input);
+  if (record.wrap) json["wrap"] = json_of(*record.wrap);
   if (result) {
     json["statistics"] = json_of(result->statistics);
     json["validation"] = json_of(result->validation);

@@ -2,12 +2,14 @@
 // schema number rises when a key is renamed or removed, not when one is added.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/prcage.h"
 #include "tools/cli_files.h"
 #include "tools/cli_options.h"
 #include "tools/report_measures.h"
+#include "tools/wrap/alpha_wrap.h"
 
 namespace prcage {
 
@@ -19,6 +21,7 @@ struct RunRecord {
   bool cage_written = false;
   double write_seconds = 0;
   double total_seconds = 0;
+  std::optional<Wrap> wrap;  // tried
 };
 
 // `input` and `result` may be null: then nothing is known of them.

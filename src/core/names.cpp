@@ -76,6 +76,8 @@ const char* to_string(Control::Stage stage) {
   switch (stage) {
     case Control::Stage::start:
       return "start";
+    case Control::Stage::wrap:
+      return "wrap";
     case Control::Stage::validate:
       return "validate";
     case Control::Stage::displace:

@@ -211,7 +211,7 @@ struct Options {
 // millions of faces); the run then returns the valid cage that it has.
 class Control {
  public:
-  enum class Stage { start, validate, displace, collapse, flip, certify, done };
+  enum class Stage { start, wrap, validate, displace, collapse, flip, certify, done };
 
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
@@ -270,6 +270,15 @@ struct CycleStatistics {
   Counts counts;
 };
 
+// Faces of an input of any kind that a cage cannot be asked to enclose.
+struct DroppedFaces {
+  std::size_t index_out_of_range = 0;  // of a vertex that does not exist
+  std::size_t not_finite = 0;          // or beyond 1e15
+  std::size_t no_area = 0;             // three collinear corners, or one named twice
+
+  std::size_t total() const { return index_out_of_range + not_finite + no_area; }
+};
+
 // Wall seconds by stage.
 struct StageSeconds {
   double total = 0;
@@ -289,6 +298,7 @@ struct StageSeconds {
 struct Statistics {
   std::size_t input_vertices = 0;
   std::size_t input_faces = 0;
+  DroppedFaces dropped;  // make_cage_around() only
   std::size_t cage_vertices = 0;
   std::size_t cage_faces = 0;
   double diagonal = 0;                // l
@@ -311,7 +321,7 @@ struct Result {
   Status status = Status::internal_error;
   std::string message;      // empty if ok; one sentence for people otherwise
   Mesh cage;                // empty unless has_cage()
-  Validation validation;    // of the input
+  Validation validation;    // of the input; of the wrap if there is one
   Certificate certificate;  // of the cage
   Statistics statistics;
 
@@ -388,6 +398,9 @@ Validation validate(const MeshView& input, int threads = 0);
 // anything else is answered by a certificate that is not valid.
 Certificate certify(const MeshView& input, const MeshView& cage, int threads = 0);
 
+// Certifies what make_cage_around() made: encloses every triangle of the input, has the topology of the wrap.
+Certificate certify_around(const MeshView& input, const MeshView& wrap, const MeshView& cage, int threads = 0);
+
 // Measures a cage as the paper does: certificate, distances, normals, thickness, sizes, angles. Neither mesh needs to
 // be legal: both must have faces on three existing vertices each, finite positions and some area; unreferenced vertices
 // do not count. The same samples are drawn for the same meshes, number and seed.
@@ -395,6 +408,13 @@ CageMeasures measure_cage(const MeshView& input, const MeshView& cage, const Mea
 
 // Makes a cage. `control` may be null.
 Result make_cage(const MeshView& input, const Options& options = {}, Control* control = nullptr);
+
+// Makes a cage around triangles of any kind (open, intersecting, without orientation) by way of a wrap: a legal input
+// whose solid strictly encloses them, such as an alpha wrap. What the options and the result say of the input - tau, l,
+// the topology, the defects - is then said of the wrap, except that the certificate proves that every triangle of
+// `input` is strictly inside. Faces that have no area or no place are dropped and counted.
+Result make_cage_around(const MeshView& input, const MeshView& wrap, const Options& options = {},
+                        Control* control = nullptr);
 
 // Semantic version of the library, e.g. "0.1.0".
 const char* version();

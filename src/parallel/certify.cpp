@@ -4,6 +4,7 @@
 
 #include "core/mesh_view.h"
 #include "parallel/arena.h"
+#include "parallel/soup.h"
 #include "parallel/winding.h"
 
 namespace prcage {
@@ -49,10 +50,11 @@ bool all_wind(const std::vector<Winding>& windings, int number) {
 
 // The last three conditions of the header; the first, no contact, is the caller's.
 bool encloses(const TreeDevice& device, const Enclosed& input, const SurfaceTree& cage, const Components& components) {
+  if (input.solid && !input.closed) return false;
   const auto cage_points = component_points(cage.positions(), cage.triangles(), components);
   const auto nest = nesting(device, cage, components);
   return all_wind(winding_numbers(device, cage, input.component_points), 1) &&
-         all_wind(winding_numbers(device, *input.surface, cage_points), 0) &&
+         (!input.closed || all_wind(winding_numbers(device, *input.surface, cage_points), 0)) &&
          std::all_of(nest.begin(), nest.end(), [](const Nesting& n) { return n.bounds_solid(); });
 }
 
@@ -98,8 +100,7 @@ Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const 
   certificate.self_intersection_free = certificate.self_intersections == 0;
   certificate.contacts = contacts(surface, *input.surface, 0).count;
   certificate.no_contact = certificate.contacts == 0;
-  certificate.encloses =
-      input.closed && t.defects.empty() && certificate.no_contact && encloses(device, input, surface, t.components);
+  certificate.encloses = t.defects.empty() && certificate.no_contact && encloses(device, input, surface, t.components);
   return certificate;
 }
 
@@ -116,6 +117,27 @@ Certificate certify_meshes(const Mesh& input, const Mesh& cage) {
                       {&surface, t.defects.empty(), t.components.count(), t.euler_characteristic,
                        component_points(positions, triangles, t.components)},
                       cage);
+}
+
+namespace {
+
+Certificate certify_around_triangles(const Mesh& input, const Mesh& wrap, const Mesh& cage) {
+  SubMesh used_wrap;
+  Mesh faces;
+  DroppedFaces dropped;
+  if (!well_formed(wrap, used_wrap) || !usable_faces(input, faces, dropped).empty()) return {};
+  const TreeDevice device;
+  const Topology t = topology(used_wrap.mesh);
+  const Soup soup = make_soup(std::move(faces), device);
+  return certify_cage(device, enclosed(soup, t.components.count(), t.euler_characteristic), cage);
+}
+
+}  // namespace
+
+Certificate certify_around(const MeshView& input, const MeshView& wrap, const MeshView& cage, int threads) {
+  Certificate certificate;
+  Arena(threads).run([&] { certificate = certify_around_triangles(to_mesh(input), to_mesh(wrap), to_mesh(cage)); });
+  return certificate;
 }
 
 Certificate certify(const MeshView& input, const MeshView& cage, int threads) {

@@ -7,6 +7,8 @@
 //   - w_C = 1 at every component of the input: it is inside;
 //   - w_M = 0 at every component of the cage: no part of the cage sits in the input's solid;
 //   - w_C is 0 and 1 on the two sides of every component of the cage: the cage bounds a volume.
+// Where only triangles are to be enclosed and they are not closed, there is no w_M: the three other conditions say that
+// each of them is inside.
 #pragma once
 
 #include <vector>
@@ -28,6 +30,7 @@ struct Enclosed {
   std::size_t components = 0;
   long long euler_characteristic = 0;
   std::vector<Position> component_points;  // a vertex of each component
+  bool solid = true;                       // if not, only its triangles must be enclosed, and it need not be closed
 };
 
 // The input that validate_mesh() found valid.

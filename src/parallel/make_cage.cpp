@@ -15,6 +15,7 @@
 #include "parallel/certify.h"
 #include "parallel/engine.h"
 #include "parallel/initial_cage.h"
+#include "parallel/soup.h"
 #include "parallel/stopwatch.h"
 #include "parallel/validate.h"
 
@@ -60,6 +61,21 @@ class Pipeline {
   Pipeline(const MeshView& input, const Options& options, Control* control, Result& result)
       : input_(input), options_(options), control_(control), result_(result) {}
 
+  // The input is a wrap of the triangles, which then are what is certified to be enclosed.
+  void run_around(const MeshView& triangles) {
+    {
+      const Stopwatch watch(seconds().validate);
+      Mesh faces;
+      const std::string error = usable_faces(to_mesh(triangles), faces, result_.statistics.dropped);
+      if (!error.empty()) {
+        fail(Status::invalid_input, error);
+        return;
+      }
+      soup_ = std::make_unique<Soup>(make_soup(std::move(faces), device_));
+    }
+    run();
+  }
+
   void run() {
     report(control_, Control::Stage::validate, input_.triangle_count, 0);
     {
@@ -69,7 +85,8 @@ class Pipeline {
     }
     describe_input();
     if (!checked_->validation.valid()) {
-      fail(Status::invalid_input, "the input is not a legal mesh: see the defects");
+      fail(Status::invalid_input,
+           std::string(soup_ ? "the wrap" : "the input") + " is not a legal mesh: see the defects");
       return;
     }
     InitialCage first = displaced();
@@ -143,7 +160,9 @@ class Pipeline {
     report(control_, Control::Stage::certify, s.cage_faces, 0.95);
     {
       const Stopwatch watch(seconds().certify);
-      result_.certificate = certify_cage(device_, enclosed(*checked_), cage);
+      const Validation& v = result_.validation;
+      const Enclosed input = soup_ ? enclosed(*soup_, v.components, v.euler_characteristic) : enclosed(*checked_);
+      result_.certificate = certify_cage(device_, input, cage);
     }
     if (!result_.certificate.valid()) {
       fail(Status::certificate_failed,
@@ -183,12 +202,13 @@ class Pipeline {
   TreeDevice device_;
   std::vector<double> thickness_;  // of each cycle
   std::unique_ptr<CheckedMesh> checked_;
+  std::unique_ptr<Soup> soup_;  // null: the input itself is enclosed
   EngineOutcome outcome_ = EngineOutcome::schedule_finished;
 };
 
-}  // namespace
-
-Result make_cage(const MeshView& input, const Options& options, Control* control) {
+// Everything but the pipeline itself: the options, the arena, what may be thrown.
+template <class RunPipeline>
+Result run_safely(const MeshView& input, const Options& options, const RunPipeline& run_pipeline) {
   Result result;
   Statistics& s = result.statistics;
   s.input_vertices = input.vertex_count;
@@ -204,7 +224,7 @@ Result make_cage(const MeshView& input, const Options& options, Control* control
     try {
       Arena arena(options.threads);
       s.threads = arena.threads();
-      arena.run([&] { Pipeline(input, options, control, result).run(); });
+      arena.run([&] { run_pipeline(result); });
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& e) {
@@ -214,6 +234,17 @@ Result make_cage(const MeshView& input, const Options& options, Control* control
   }
   result.statistics.peak_memory_bytes = peak_memory_bytes();
   return result;
+}
+
+}  // namespace
+
+Result make_cage(const MeshView& input, const Options& options, Control* control) {
+  return run_safely(input, options, [&](Result& result) { Pipeline(input, options, control, result).run(); });
+}
+
+Result make_cage_around(const MeshView& input, const MeshView& wrap, const Options& options, Control* control) {
+  return run_safely(input, options,
+                    [&](Result& result) { Pipeline(wrap, options, control, result).run_around(input); });
 }
 
 }  // namespace prcage
