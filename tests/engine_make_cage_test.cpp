@@ -478,7 +478,7 @@ Options options_for(std::size_t faces, Quality quality) {
   return options;
 }
 
-TEST(MakeCageThickness, IsFoundForABudgetAndBoundsBothDirections) {
+TEST(MakeCageThicknessSlow, IsFoundForABudgetAndBoundsBothDirections) {
   for (const char* name : {"bumpy", "knot", "bracket", "gyroid", "slabs"})
     for (const std::size_t budget : {std::size_t{150}, std::size_t{500}}) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(budget));
@@ -493,7 +493,7 @@ TEST(MakeCageThickness, IsFoundForABudgetAndBoundsBothDirections) {
     }
 }
 
-TEST(MakeCageThickness, GrowsAsTheBudgetFalls) {
+TEST(MakeCageThicknessSlow, GrowsAsTheBudgetFalls) {
   const Mesh input = shape("bumpy", 4000);
   double tau = 0;
   for (const std::size_t budget : {1000u, 400u, 100u, 30u}) {
@@ -511,7 +511,7 @@ TEST(MakeCageThickness, NeedsABudget) {
 }
 
 // What tightening is for, at equal faces; and what it must not do: every result is certified.
-TEST(MakeCageTightening, LeavesLessBetweenCageAndInput) {
+TEST(MakeCageTighteningSlow, LeavesLessBetweenCageAndInput) {
   for (const char* name : {"bumpy", "knot", "spikes"})
     for (std::uint64_t seed = 0; seed < 2; ++seed) {
       const Mesh input = shape(name, 2000);
