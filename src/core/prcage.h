@@ -165,7 +165,7 @@ enum class TauMode {
 };
 
 // Which distances tau bounds: that of the points of the cage to the input only, or that of the input to the cage as
-// well, at up to 40,000 samples of the input.
+// well, at up to 40,000 samples of the input, from the time on when the cage has 20,000 faces.
 enum class Bound { cage, both };
 
 enum class Precision { float64, float32 };

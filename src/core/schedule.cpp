@@ -42,7 +42,8 @@ std::vector<double> thickness_steps(const Options& options, double diagonal, dou
     const double ratio = growth(options.quality);
     const double last = last_thickness * diagonal;
     const double edge = std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(options.face_budget));
-    for (double t = std::min(first_thickness * edge, last); t < last; t *= ratio) steps.push_back(t);
+    if (edge > 0)  // else there is no surface
+      for (double t = std::min(first_thickness * edge, last); t < last; t *= ratio) steps.push_back(t);
     steps.push_back(last);
     return steps;
   }

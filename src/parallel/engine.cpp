@@ -107,7 +107,7 @@ class Engine {
     const double slots = static_cast<double>(state_.mesh.face_slots());
     if (static_cast<double>(state_.live_faces) >= compaction_share * slots) return;
     sort_along_curve(state_);
-    if (coverage() != nullptr) assign_samples();
+    start_coverage();
   }
 
   // Samples are followed once few enough faces are left for that to be cheap.
@@ -180,7 +180,7 @@ class Engine {
     const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
     const bool soon =
         finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
-    if (tightening.passes == 0 || !(last || soon)) return;
+    if (tightening.passes == 0 || context_.input == nullptr || !(last || soon)) return;
     tightening.limits = limits_;
     tightening.shortest = shortest_move * limits_.centroids;
     tightening.float_positions = settings_.float_positions;

@@ -19,9 +19,9 @@ struct EngineContext {
   UnitFrame frame;
   const TreeDevice* device;
   DistanceBand* band;
-  const Obstacle* input;
-  Coverage* coverage;  // null: the distance of the input to the cage is not bounded
-  Control* control;    // may be null
+  const Obstacle* input;  // null: no tightening, and no component can be swept over
+  Coverage* coverage;     // null: the distance of the input to the cage is not bounded
+  Control* control;       // may be null
   Statistics* statistics;
 };
 

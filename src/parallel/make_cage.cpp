@@ -144,7 +144,7 @@ class Pipeline {
                                 &device_,  &band,      &obstacle,  coverage ? &*coverage : nullptr,
                                 control_,  &s};
     outcome_ = run_engine(state, context);
-    if (finds_thickness(options_) && !s.cycles.empty()) s.tau = s.cycles.back().tau;
+    if (finds_thickness(options_)) s.tau = s.cycles.empty() ? thickness_.front() : s.cycles.back().tau;
     s.band_voxels = band.voxels_filled();
   }
 

@@ -230,6 +230,8 @@ bool measure_patch(const CageState& state, DistanceBand& band, const BandLimits&
     batch.near[t] = {state.face_near[batch.face[t]], reach};
     if (reach > near_enough * limits.centroids) measure_face(state, band, limits, batch, t);
     if (batch.reach[t] > limits.reach) return false;
+    // The constraints of a collapse keep centroids within the thickness of the cycle; nothing else does so for moves.
+    if (batch.is_move(i) && batch.near[t].distance > limits.centroids) return false;
   }
   return true;
 }

@@ -104,8 +104,8 @@ std::size_t tighten(CageState& state, const TightenSettings& settings, const Obs
       }
       PatchBatch batch = build_moves(state, frame, selected, std::move(points));
       test_patches_locally(state, batch);
-      obstacle.reject_sweeps(state, batch);
       obstacle.reject_hits(state, batch);
+      obstacle.reject_sweeps(state, batch);
       reject_hits_on_cage(state, device, batch);
       reject_conflicts(state, device, batch);
       test_patches_against_band(state, band, settings.limits, batch);
