@@ -15,10 +15,6 @@ namespace {
 
 using PatchPair = std::pair<std::uint32_t, std::uint32_t>;
 
-bool alive(PatchBatch& batch, std::uint32_t patch) {
-  return std::atomic_ref(batch.verdict[patch]).load(std::memory_order_relaxed) == Verdict::accepted;
-}
-
 constexpr std::uint32_t run_length = 32;
 
 // Least cosine between a direction and a normal that counts as facing it: well above the error of stored normals.
@@ -59,19 +55,6 @@ Box united(std::span<const Box> boxes) {
   Box box;
   for (const Box& b : boxes) box.unite(b);
   return box;
-}
-
-// Boxes of the selected patches and of the faces that they would remove, empty ones for the rest.
-template <class Selected>
-std::vector<Box> patch_boxes(const CageState& state, const PatchBatch& batch, const Selected& selected) {
-  std::vector<Box> boxes(batch.size());
-  parallel_each(batch.size(), default_grain, [&](std::size_t i) {
-    if (!selected(i)) return;
-    Box box = united(batch.boxes(i));
-    for (const std::uint32_t f : batch.removed_faces(i)) box.unite(state.face_box[f]);
-    boxes[i] = box;
-  });
-  return boxes;
 }
 
 // Consecutive faces: they are near each other, since faces are sorted along a curve. One tree over the boxes of runs

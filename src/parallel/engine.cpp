@@ -118,11 +118,10 @@ class Engine {
   // A patch that moves outward can take in a whole component other than its own.
   bool many_components() const { return context_.input != nullptr && context_.input->components() > 1; }
 
-  void assign_samples() { context_.coverage->assign(state_, context_.frame, *context_.device); }
-
   void start_coverage() {
     if (context_.coverage == nullptr || state_.live_faces > most_covered_faces) return;
-    timed(context_.statistics->seconds.distance, [&] { assign_samples(); });
+    timed(context_.statistics->seconds.distance,
+          [&] { context_.coverage->assign(state_, context_.frame, *context_.device); });
   }
 
   // False if there was nothing left to try.

@@ -11,10 +11,6 @@
 namespace prcage {
 namespace {
 
-bool alive(PatchBatch& batch, std::uint32_t patch) {
-  return std::atomic_ref(batch.verdict[patch]).load(std::memory_order_relaxed) == Verdict::accepted;
-}
-
 void reject(PatchBatch& batch, std::uint32_t patch) {
   std::atomic_ref(batch.verdict[patch]).store(Verdict::hits_input, std::memory_order_relaxed);
 }
@@ -62,12 +58,7 @@ Obstacle::Obstacle(const SurfaceTree& surface, const Components& components, con
 }
 
 void Obstacle::reject_sweeps(const CageState& state, PatchBatch& batch) const {
-  std::vector<Box> swept(batch.size());
-  parallel_each(batch.size(), 256, [&](std::size_t i) {
-    if (!batch.alive(i)) return;
-    for (const Box& box : batch.boxes(i)) swept[i].unite(box);
-    for (const std::uint32_t f : batch.removed_faces(i)) swept[i].unite(state.face_box[f]);
-  });
+  const auto swept = patch_boxes(state, batch, [&](std::size_t i) { return batch.alive(i); });
   BoxTree patches(device_);
   patches.build(swept, TreeQuality::fast_build);
   join(patches, component_tree_, [&](std::uint32_t patch, std::uint32_t c) {

@@ -2,6 +2,7 @@
 // flip), and the exact tests that need nothing but the patch itself.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -11,6 +12,7 @@
 #include "parallel/cage_state.h"
 #include "parallel/candidates.h"
 #include "parallel/distance_band.h"
+#include "parallel/parallel_for.h"
 
 namespace prcage {
 
@@ -50,7 +52,7 @@ struct PatchBatch {
 
   std::size_t size() const { return candidate.size(); }
   // A collapse has two faces fewer afterwards, a flip moves no vertex.
-  bool is_flip(std::size_t i) const { return moved[i] == 0xffffffffu; }
+  bool is_flip(std::size_t i) const { return moved[i] == none; }
   bool is_move(std::size_t i) const {
     return !is_flip(i) && first_removed[i + 1] - first_removed[i] == first_face[i + 1] - first_face[i];
   }
@@ -69,6 +71,23 @@ struct PatchBatch {
 
 // Triangle t of the batch with the positions that it would have.
 TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std::size_t t);
+
+// Is the patch still in the race, while other threads may be rejecting it?
+inline bool alive(PatchBatch& batch, std::uint32_t patch) {
+  return std::atomic_ref(batch.verdict[patch]).load(std::memory_order_relaxed) == Verdict::accepted;
+}
+
+// Boxes of the selected patches and of the faces that they would remove, empty ones for the rest.
+template <class Selected>
+std::vector<Box> patch_boxes(const CageState& state, const PatchBatch& batch, const Selected& selected) {
+  std::vector<Box> boxes(batch.size());
+  parallel_each(batch.size(), default_grain, [&](std::size_t i) {
+    if (!selected(i)) return;
+    for (const Box& box : batch.boxes(i)) boxes[i].unite(box);
+    for (const std::uint32_t f : batch.removed_faces(i)) boxes[i].unite(state.face_box[f]);
+  });
+  return boxes;
+}
 
 // The boxes and normals of the triangles for the present positions.
 void set_bounds(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch);
