@@ -12,12 +12,15 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double flattest = 1e-6;
 // Points so little outside a triangle or an edge, in its own coordinates, count as within.
 constexpr double slack = 1e-9;
-// Rounding in the coordinates of a crossing, relative to the height of the discs, with much to spare.
+// Rounding in the place of a crossing, relative to the height of the discs, with much to spare.
 constexpr double rounding = 1e-7;
+// Rounding of sums of few products of coordinates, relative to the products.
+constexpr double sum_rounding = 2e-15;
 
 double cross(const Vec3& u, const Vec3& v) { return u.x() * v.y() - u.y() * v.x(); }
 double dot(const Vec3& u, const Vec3& v) { return u.x() * v.x() + u.y() * v.y(); }
 double length_squared(const Vec3& u) { return dot(u, u); }
+double extent(const Vec3& u) { return std::abs(u.x()) + std::abs(u.y()); }
 
 bool apart(double x, double y, double low, double high) { return std::min(x, y) > high || std::max(x, y) < low; }
 
@@ -35,9 +38,12 @@ double gap_at_crossing(const std::array<Vec3, 2>& e, const std::array<Vec3, 2>& 
     const bool beside = apart(along_g, cross(v, d), -unsure, unsure);
     return beside || apart(dot(w, d), dot(v, d), -unsure, length + unsure) ? 0 : infinity;
   }
-  const double sign = area < 0 ? -1 : 1, least = -slack * std::abs(area), most = (1 + slack) * std::abs(area);
+  const double sign = area < 0 ? -1 : 1, tolerated = slack * std::abs(area);
+  const double error = sum_rounding * extent(w) * std::max(extent(d), extent(g));
+  const double least = -tolerated - error, most = std::abs(area) - least;
   if (apart(sign * along_d, sign * along_d, least, most) || apart(sign * along_g, sign * along_g, least, most))
     return 0;
+  if (error > tolerated) return infinity;
   return std::abs((along_d * d.z() - along_g * g.z()) / area - w.z());
 }
 
@@ -73,15 +79,16 @@ double GraphDisc::gap_at_crossings(const GraphDisc& other) const {
   return gap;
 }
 
-double GraphDisc::height_range() const {
-  double low = infinity, high = -infinity;
+double GraphDisc::rounding_of_heights() const {
+  double low = infinity, high = -infinity, widest = 0;
   for (const auto& face : faces_) {
     for (const Vec3& p : face) {
       low = std::min(low, p.z());
       high = std::max(high, p.z());
+      widest = std::max(widest, extent(p) + std::abs(p.z()));
     }
   }
-  return high - low;
+  return rounding * (high - low) + sum_rounding * widest;
 }
 
 double largest_gap(const GraphDisc& s, const GraphDisc& t) {
@@ -89,7 +96,7 @@ double largest_gap(const GraphDisc& s, const GraphDisc& t) {
   double gap = s.gap_at_crossings(t);
   for (const Vec3& p : s.vertices_) gap = std::max(gap, t.gap_at(p));
   for (const Vec3& p : t.vertices_) gap = std::max(gap, s.gap_at(p));
-  return gap + rounding * std::max(s.height_range(), t.height_range());
+  return gap + std::max(s.rounding_of_heights(), t.rounding_of_heights());
 }
 
 }  // namespace prcage

@@ -36,7 +36,8 @@ class GraphDisc {
   void add_inner_vertex(const Vec3& p) { vertices_.add(p); }
 
   // An upper bound of the distance along n between two discs over the same polygon; infinity if there are too many
-  // elements, or where the discs stand so steep or their edges lie so close to each other that rounding might matter.
+  // elements, or where triangles are so narrow, as seen along n, or edges lie so close to each other that rounding
+  // might matter.
   friend double largest_gap(const GraphDisc& s, const GraphDisc& t);
 
  private:
@@ -57,7 +58,7 @@ class GraphDisc {
   bool overflown() const { return faces_.overflown() || edges_.overflown() || vertices_.overflown(); }
   double gap_at(const Vec3& p) const;
   double gap_at_crossings(const GraphDisc& other) const;
-  double height_range() const;
+  double rounding_of_heights() const;
 
   Few<std::array<Vec3, 3>, most> faces_;
   Few<std::array<Vec3, 2>, most> edges_;

@@ -250,10 +250,11 @@ struct Counts {
   std::uint64_t postponed = 0;             // dearer than thought, or not needed for the budget
   std::uint64_t rejected_orientation = 0;  // exact: a face would sweep inward
   std::uint64_t rejected_degenerate = 0;   // exact: a new face is degenerate or the patch folds onto itself
-  std::uint64_t rejected_tau = 0;          // a new face could not be proved within tau_k
-  std::uint64_t rejected_cage = 0;         // exact: the patch would hit the rest of the cage
-  std::uint64_t rejected_conflict = 0;     // lost against another patch of the same round
-  std::uint64_t collapses = 0;             // accepted
+  std::uint64_t rejected_tau = 0;  // a new face could not be proved within reach, or would uncover samples of the input
+  std::uint64_t rejected_cage =
+      0;  // exact: the patch would hit the rest of the cage, or sweep over a component of the input
+  std::uint64_t rejected_conflict = 0;  // lost against another patch of the same round
+  std::uint64_t collapses = 0;          // accepted
   std::uint64_t flips_tried = 0;
   std::uint64_t flips = 0;      // accepted
   std::uint64_t tightened = 0;  // moves of vertices inward
@@ -262,7 +263,7 @@ struct Counts {
 };
 
 struct CycleStatistics {
-  double beta = 0;         // of the schedule
+  double beta = 0;         // tau of the cycle over that of the run
   double tau = 0;          // beta * tau, input's unit
   std::size_t rounds = 0;  // of independent sets
   std::size_t faces = 0;   // at the end of the cycle

@@ -16,7 +16,7 @@ std::vector<double> thickness_steps(const Options& options, double diagonal, dou
 // Is the thickness to be found?
 inline bool finds_thickness(const Options& options) { return options.tau == 0 && options.tau_absolute == 0; }
 
-// How often vertices are moved inward after each cycle.
+// How often vertices are moved inward after a cycle in which cages are tightened.
 int tightening_passes(Quality quality);
 
 // Empty if the options are in range, else one sentence that names the option at fault.

@@ -32,7 +32,7 @@ struct CageState {
   CornerTable mesh;
   std::size_t live_faces = 0;
   std::vector<float> face_distance;      // per face: upper bound of d(c_f, M)
-  std::vector<std::uint32_t> face_near;  // per face: input face to which face_distance was measured
+  std::vector<std::uint32_t> face_near;  // per face: an input face near its centroid
   std::vector<float> face_reach;         // per face: upper bound of the distance of its points to M
   std::vector<Box> face_box;             // per face; empty for dead faces
   std::vector<Normal> face_normal;       // per face

@@ -1,19 +1,15 @@
 #include "parallel/conflicts.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <span>
-#include <utility>
 
+#include "parallel/pair_collector.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
 namespace {
-
-using PatchPair = std::pair<std::uint32_t, std::uint32_t>;
 
 constexpr std::uint32_t run_length = 32;
 
@@ -160,18 +156,16 @@ void reject_conflicts(const CageState& state, const TreeDevice& device, PatchBat
   const auto boxes = patch_boxes(state, batch, [&](std::size_t i) { return batch.alive(i); });
   BoxTree patches(device);
   patches.build(boxes, TreeQuality::fast_build);
-  tbb::enumerable_thread_specific<std::vector<PatchPair>> found;
+  PairCollector found;
   self_join(patches, [&](std::uint32_t p, std::uint32_t q) {
     if (proved_apart(batch, p, q) || !patches_meet(state, batch, p, q)) return;
     const bool in_order = batch.candidate[p] < batch.candidate[q];
-    found.local().push_back(in_order ? PatchPair{q, p} : PatchPair{p, q});
+    found.add(in_order ? q : p, in_order ? p : q);
   });
-  std::vector<PatchPair> pairs;
-  for (const auto& list : found) pairs.insert(pairs.end(), list.begin(), list.end());
+  auto pairs = found.result().pairs;
   // By the higher one of each pair, so that lower patches are decided before higher ones ask for them.
-  std::sort(pairs.begin(), pairs.end(), [&](const PatchPair& a, const PatchPair& b) {
-    return batch.candidate[a.first] < batch.candidate[b.first];
-  });
+  std::sort(pairs.begin(), pairs.end(),
+            [&](const auto& a, const auto& b) { return batch.candidate[a[0]] < batch.candidate[b[0]]; });
   for (const auto& [higher, lower] : pairs)
     if (batch.alive(lower)) batch.verdict[higher] = Verdict::conflict;
 }

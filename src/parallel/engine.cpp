@@ -15,8 +15,10 @@ namespace {
 
 // Voxels of the distance band per tau.
 constexpr double voxels_per_tau = 2;
-// So that rounding in distances cannot carry a proved point beyond tau.
-constexpr double below_one = 1 - 1e-12;
+// So that rounding in distances cannot carry a proved point beyond tau: of tau, and of l, which bounds the sizes of
+// faces.
+constexpr double tau_rounding = 1e-12;
+constexpr double size_rounding = 1e-14;
 // Of the thickness of the cycle: shorter moves inward are not worth their tests.
 constexpr double shortest_move = 0.02;
 // The cage begins to carry samples of the input when it has come down to so many faces.
@@ -76,7 +78,6 @@ class Engine {
     cycle_ = k;
     CycleStatistics cycle;
     cycle.tau = context_.thickness[k];
-    cycle.beta = cycle.tau / context_.thickness.back();
     {
       const Stopwatch watch(cycle.seconds);
       set_limits(cycle.tau);
@@ -98,8 +99,9 @@ class Engine {
   // What is proved of every point is the thickness of the run, if it is known, else that of the cycle.
   void set_limits(double tau) {
     const double proved = finds_thickness(*context_.options) ? tau : context_.thickness.back();
-    limits_.centroids = settings_.band.tau = tau * below_one;
-    if (context_.options->tau_mode == TauMode::strict) limits_.reach = proved * below_one;
+    const auto clear = [&](double t) { return t - (tau_rounding * t + size_rounding * context_.diagonal); };
+    limits_.centroids = settings_.band.tau = clear(tau);
+    if (context_.options->tau_mode == TauMode::strict) limits_.reach = clear(proved);
     context_.band->set_voxel_size(proved / voxels_per_tau);
   }
 

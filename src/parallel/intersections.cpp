@@ -1,64 +1,15 @@
 #include "parallel/intersections.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
-#include <atomic>
-#include <new>
 
 #include "core/adjacency.h"
 #include "core/predicates.h"
 #include "core/star.h"
+#include "parallel/pair_collector.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
 namespace {
-
-using Pair = std::array<std::uint32_t, 2>;
-
-// Collects pairs from many threads at once and keeps the lowest `limit` of them.
-class PairCollector {
- public:
-  explicit PairCollector(std::size_t limit) : limit_(limit) {}
-
-  // Called from within Embree, which exceptions must not cross: running out of memory is remembered.
-  void add(std::uint32_t i, std::uint32_t j) noexcept {
-    try {
-      Local& local = locals_.local();
-      ++local.count;
-      local.pairs.push_back({i, j});
-      if (limit_ < local.pairs.size() / 2) keep_lowest(local.pairs);
-    } catch (const std::bad_alloc&) {
-      out_of_memory_.store(true, std::memory_order_relaxed);
-    }
-  }
-
-  FacePairs result() {
-    if (out_of_memory_.load(std::memory_order_relaxed)) throw std::bad_alloc();
-    FacePairs all;
-    for (const Local& local : locals_) {
-      all.count += local.count;
-      all.pairs.insert(all.pairs.end(), local.pairs.begin(), local.pairs.end());
-    }
-    keep_lowest(all.pairs);
-    return all;
-  }
-
- private:
-  struct Local {
-    std::size_t count = 0;
-    std::vector<Pair> pairs;
-  };
-
-  void keep_lowest(std::vector<Pair>& pairs) const {
-    std::sort(pairs.begin(), pairs.end());
-    if (pairs.size() > limit_) pairs.resize(limit_);
-  }
-
-  std::size_t limit_;
-  tbb::enumerable_thread_specific<Local> locals_;
-  std::atomic<bool> out_of_memory_{false};
-};
 
 // Do the two faces have a vertex of the set in common?
 bool share_one_of(std::span<const std::uint8_t> set, const Triangle& s, const Triangle& t) {

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "core/triangle_pair.h"
 #include "core/vec3.h"
 #include "parallel/box_runs.h"
+#include "parallel/pair_collector.h"
 
 namespace prcage {
 
@@ -46,13 +46,6 @@ class SurfaceTree {
   std::vector<Box> boxes_;
   BoxRuns runs_;
   BoxTree tree_;
-};
-
-inline constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max();
-
-struct FacePairs {
-  std::size_t count = 0;                            // of all pairs, whatever the limit
-  std::vector<std::array<std::uint32_t, 2>> pairs;  // ascending; the lowest ones if there are more than the limit
 };
 
 // Per vertex of a closed oriented manifold: is no pair of its faces in improper contact for certain (core/star.h)?

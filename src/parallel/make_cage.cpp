@@ -145,6 +145,7 @@ class Pipeline {
                                 control_,  &s};
     outcome_ = run_engine(state, context);
     if (finds_thickness(options_)) s.tau = s.cycles.empty() ? thickness_.front() : s.cycles.back().tau;
+    for (CycleStatistics& cycle : s.cycles) cycle.beta = cycle.tau / s.tau;
     s.band_voxels = band.voxels_filled();
   }
 

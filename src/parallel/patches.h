@@ -44,7 +44,7 @@ struct PatchBatch {
   std::vector<std::uint32_t> patch_of;   // of each triangle
   std::vector<Box> box;                  // of each triangle
   std::vector<Normal> normal;            // of each triangle
-  std::vector<DistanceBand::Near> near;  // of each triangle's centroid
+  std::vector<DistanceBand::Near> near;  // of each triangle: an input face near by, upper bound of d(c_f, M)
   std::vector<double> reach;             // of each triangle: upper bound of the distance of its points to M
   std::vector<Vec3> direction;           // of each patch: unit vector that its faces and those it removes face, or zero
                                          // (condition 1 in core/projection.h)

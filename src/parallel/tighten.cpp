@@ -112,6 +112,7 @@ std::size_t tighten(CageState& state, const TightenSettings& settings, const Obs
       if (settings.coverage != nullptr) settings.coverage->test(state, settings.limits.centroids, batch);
       for (std::size_t i = 0; i < batch.size(); ++i) {
         Move& move = moves[batch.moved[i]];
+        if (batch.verdict[i] == Verdict::conflict) continue;  // another one goes first
         const bool give_up = batch.alive(i) || ++move.halvings > most_halvings;
         move.length = give_up ? 0 : 0.5 * move.length;
       }

@@ -3,7 +3,10 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+#include <span>
 
 #include "core/mesh_view.h"
 #include "core/predicates.h"
@@ -166,16 +169,35 @@ bool Validator::check_faces() {
   return out_of_range.empty() && !surface_.mesh.triangles.empty();
 }
 
+// Frame of the corners of the faces; none if a coordinate is beyond what double precision can carry.
+std::optional<UnitFrame> frame_of_faces(const Mesh& mesh, std::span<const std::uint32_t> faces) {
+  if (faces.empty()) return std::nullopt;
+  std::array<Position, 2> corners{mesh.positions[mesh.triangles[faces[0]][0]]};
+  auto& [lower, upper] = corners;
+  upper = lower;
+  for (const std::uint32_t f : faces) {
+    for (const std::uint32_t v : mesh.triangles[f]) {
+      const Position& p = mesh.positions[v];
+      if (!within_limits(p)) return std::nullopt;
+      for (int k = 0; k < 3; ++k) {
+        lower[k] = std::min(lower[k], p[k]);
+        upper[k] = std::max(upper[k], p[k]);
+      }
+    }
+  }
+  return unit_frame(corners);
+}
+
 // Along the curve, all stages to come find what is near in space near in memory. Coordinates that have no place on it
 // are about to be reported.
 void Validator::take_faces(std::vector<std::uint32_t> faces) {
   const auto& positions = mesh_.positions;
-  if (order_ == FaceOrder::along_curve && std::all_of(positions.begin(), positions.end(), within_limits)) {
-    const UnitFrame frame = unit_frame(positions);
+  const auto frame = order_ == FaceOrder::along_curve ? frame_of_faces(mesh_, faces) : std::nullopt;
+  if (frame) {
     std::vector<Box> boxes(faces.size());
     parallel_each(faces.size(), default_grain, [&](std::size_t i) {
       const Triangle& t = mesh_.triangles[faces[i]];
-      boxes[i] = bounding_box(frame, {positions[t[0]].data(), positions[t[1]].data(), positions[t[2]].data()});
+      boxes[i] = bounding_box(*frame, {positions[t[0]].data(), positions[t[1]].data(), positions[t[2]].data()});
     });
     std::vector<std::uint32_t> order = along_curve(boxes);
     for (std::uint32_t& f : order) f = faces[f];
