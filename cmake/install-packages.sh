@@ -9,14 +9,14 @@ set -eu
 packages="g++ cmake ninja-build pkg-config
   libtbb-dev libembree-dev libopenvdb-dev libeigen3-dev libxsimd-dev
   libcgal-dev libboost-dev libgmp-dev libmpfr-dev
-  libcli11-dev nlohmann-json3-dev libfmt-dev libsqlite3-dev libmeshoptimizer-dev libpng-dev libxxhash-dev
+  libcli11-dev nlohmann-json3-dev libfmt-dev libsqlite3-dev libstb-dev libmeshoptimizer-dev libpng-dev libxxhash-dev
   libgtest-dev libgmock-dev"
 # For the page of the report. Node.js from elsewhere than Debian comes with its own npm.
 command -v npm >/dev/null || packages="$packages nodejs npm"
 case "${1-}" in
   "") ;;
   checks) packages="$packages clang-format clang-tidy dpkg-dev ccache
-    libbenchmark-dev valgrind python3 chromium" ;;
+    libbenchmark-dev valgrind python3 gnuplot-nox chromium" ;;
   *) echo "usage: $0 [checks]" >&2; exit 2 ;;
 esac
 

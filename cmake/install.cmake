@@ -5,11 +5,12 @@ set(prcage_generated_dir ${PROJECT_BINARY_DIR}/install)
 
 # The public headers lie in two directories of the sources and in one when installed, so that the include of one in
 # the other is rewritten.
-foreach(header core/prcage.h io/mesh_file.h)
+foreach(header core/prcage.h io/mesh_file.h io/weights_file.h)
   get_filename_component(name ${header} NAME)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${header})
   file(READ ${PROJECT_SOURCE_DIR}/src/${header} text)
   string(REPLACE "#include \"core/prcage.h\"" "#include <prcage/prcage.h>" text "${text}")
+  string(REPLACE "#include \"io/mesh_file.h\"" "#include <prcage/mesh_file.h>" text "${text}")
   if(text MATCHES "#include \"")
     message(FATAL_ERROR "src/${header} is public but includes a header that is not installed")
   endif()

@@ -1,6 +1,5 @@
 #include "perf/contenders.h"
 
-#include <meshoptimizer.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -11,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "io/mesh_file.h"
+#include "perf/meshopt.h"
 #include "tools/cli_files.h"
 #include "tools/report_json.h"
 #include "tools/shapes.h"
@@ -23,28 +23,6 @@ Json statistics_json(const Result& result, const Options& options) {
   CageCommand command;
   command.options = options;
   return Json::parse(run_json(command, nullptr, &result, {}))["statistics"];
-}
-
-struct FloatMesh {
-  std::vector<float> positions;  // three a vertex
-  std::vector<unsigned> indices;
-};
-
-constexpr std::size_t vertex_size = 3 * sizeof(float);
-
-FloatMesh float_mesh(const Mesh& mesh) {
-  FloatMesh result;
-  for (const auto& p : mesh.positions)
-    for (const double x : p) result.positions.push_back(static_cast<float>(x));
-  for (const auto& t : mesh.triangles) result.indices.insert(result.indices.end(), t.begin(), t.end());
-  std::vector<unsigned> remap(mesh.positions.size());
-  const std::size_t vertices = meshopt_generateVertexRemap(remap.data(), result.indices.data(), result.indices.size(),
-                                                           result.positions.data(), mesh.positions.size(), vertex_size);
-  meshopt_remapIndexBuffer(result.indices.data(), result.indices.data(), result.indices.size(), remap.data());
-  meshopt_remapVertexBuffer(result.positions.data(), result.positions.data(), mesh.positions.size(), vertex_size,
-                            remap.data());
-  result.positions.resize(3 * vertices);
-  return result;
 }
 
 // The exit code of a program found by its path, its messages on this process's standard error.
@@ -91,16 +69,11 @@ Json cage_mesh(const Mesh& mesh, const Options& options) {
 }
 
 Json simplify_meshopt(const Mesh& mesh, std::size_t target_faces) {
-  const FloatMesh input = float_mesh(mesh);
-  constexpr float any_error = 1e10f;
-  std::vector<unsigned> simplified(input.indices.size());
-  float error = 0;
-  const Timer timer;
-  const std::size_t indices =
-      meshopt_simplify(simplified.data(), input.indices.data(), input.indices.size(), input.positions.data(),
-                       input.positions.size() / 3, vertex_size, 3 * target_faces, any_error, 0, &error);
-  const double seconds = timer.seconds();
-  return {{"seconds", seconds}, {"faces", indices / 3}, {"target_faces", target_faces}, {"relative_error", error}};
+  const MeshoptResult result = simplify_by_meshopt(mesh, target_faces);
+  return {{"seconds", result.seconds},
+          {"faces", result.mesh.triangles.size()},
+          {"target_faces", target_faces},
+          {"relative_error", result.relative_error}};
 }
 
 Json run_program(const std::string& program, const std::string& input, const std::string& scratch,

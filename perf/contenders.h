@@ -20,7 +20,6 @@ Json cage_mesh(const Mesh& mesh, const Options& options);
 
 // meshopt_simplify() to `target_faces`, without an error limit: seconds, faces reached. It is free to cut through the
 // input and to self-intersect; what it shares with prcage is the task of collapsing edges by a quadric. One thread.
-// Indices, float positions and the merging of equal positions are prepared off the clock.
 Json simplify_meshopt(const Mesh& mesh, std::size_t target_faces);
 
 // The program `prcage cage` from file to file: seconds in total, of reading and of writing.

@@ -1,5 +1,7 @@
 // The program as people and scripts use it: run as a process, judged by its exit code, its two output streams and
 // the files that it leaves.
+#include <png.h>
+
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -23,6 +25,8 @@
 #include "tools/cli_options.h"
 #include "tools/exit_codes.h"
 #include "tools/report_measures.h"
+#include "tools/scale_bar.h"
+#include "tools/shapes.h"
 
 namespace prcage {
 namespace {
@@ -50,6 +54,16 @@ Mesh cube() {
   }
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+// A built-in shape, larger by a factor.
+Mesh shape_of(const std::string& name, std::size_t faces, double scale) {
+  std::string error;
+  Mesh mesh = make_shape(name, faces, 0, error);
+  for (auto& p : mesh.positions) {
+    for (double& x : p) x *= scale;
+  }
   return mesh;
 }
 
@@ -168,7 +182,8 @@ TEST_F(Cli, UsageLinesShowWhatIsRequired) {
 }
 
 TEST_F(Cli, HelpIsFreeOfTheParsersOwnNotation) {
-  for (const char* command : {"cage", "check", "eval", "info", "make", "render", "batch", "merge", "report", "help"}) {
+  for (const char* command : {"cage", "check", "eval", "info", "make", "render", "bind", "pose", "deform", "batch",
+                              "merge", "report", "help"}) {
     EXPECT_THAT(run({"help", command}).out, AllOf(Not(HasSubstr("REQUIRED")), Not(HasSubstr("Excludes")),
                                                   Not(HasSubstr("INT")), Not(HasSubstr("TEXT"))))
         << command;
@@ -603,6 +618,65 @@ TEST_F(Cli, EvalChecksItsOptionsBeforeItReads) {
   expect_usage_error({"eval", in, in, "--seed", "-1"}, "--seed");
 }
 
+// ------------------------------------------------------------------------------------ bind, pose, deform
+
+TEST_F(Cli, DeformsFromWeightsAndInOneStep) {
+  const std::string in = shape("knot", 500);
+  const std::string cage = file("cage.ply", shape_of("sphere", 100, 5));
+  const std::string bent = path("bent.ply"), weights = path("weights"), out = path("out.ply"), once = path("once.ply");
+  EXPECT_EQ(run({"pose", cage, "--bend", "40", "--twist", "-60", "--axis", "y", "-o", bent}).code, code(ExitCode::ok));
+  const Outcome bound = run({"bind", in, cage, "-o", weights});
+  EXPECT_EQ(bound.code, code(ExitCode::ok)) << bound.err;
+  EXPECT_THAT(bound.out, IsEmpty());
+  EXPECT_THAT(bound.err, AllOf(HasSubstr("of 56 weights each"), HasSubstr("error at rest")));
+  EXPECT_EQ(run({"deform", weights, bent, "-o", out}).code, code(ExitCode::ok));
+  EXPECT_EQ(run({"deform", in, cage, bent, "-o", once}).code, code(ExitCode::ok));
+  EXPECT_EQ(contents(out), contents(once));
+  EXPECT_NE(contents(out), contents(in));
+  EXPECT_EQ(run({"deform", "-", cage, "-o", out}, weights).code, code(ExitCode::ok));
+  const Mesh still = read_mesh(out).mesh, input = read_mesh(in).mesh;
+  ASSERT_EQ(still.positions.size(), input.positions.size());
+  for (std::size_t v = 0; v < input.positions.size(); ++v)
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(still.positions[v][k], input.positions[v][k], 1e-6);
+}
+
+TEST_F(Cli, BindTruncatesAndSaysWhatItCosts) {
+  const std::string in = shape("knot", 500);
+  const std::string cage = file("cage.ply", shape_of("sphere", 100, 5));
+  const Outcome few = run({"bind", in, cage, "--keep", "8", "--float", "-o", path("few")});
+  EXPECT_THAT(few.err, AllOf(HasSubstr("8 of 56 weights each"), ContainsRegex("left out +at most 0\\.[0-9]+ of")));
+  EXPECT_EQ(run({"bind", in, cage, "--quiet", "-o", path("all")}).err, "");
+  EXPECT_LT(contents(path("few")).size(), contents(path("all")).size() / 2);
+}
+
+TEST_F(Cli, DeformRefusesWhatDoesNotFit) {
+  const std::string in = file("in.ply", cube_from(0.25, 0.75)), cage = file("cage.ply", cube());
+  const std::string weights = path("weights"), out = path("out.ply");
+  ASSERT_EQ(run({"bind", in, cage, "-o", weights}).code, code(ExitCode::ok));
+  Mesh open = cube();
+  open.triangles.pop_back();
+  const Outcome other = run({"deform", weights, file("open.ply", open), "-o", out});
+  EXPECT_EQ(other.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(other.err, AllOf(HasSubstr("open.ply"), HasSubstr("11 faces"), HasSubstr("12")));
+  EXPECT_EQ(run({"bind", in, path("open.ply"), "-o", path("none")}).code, code(ExitCode::invalid_mesh));
+  const Outcome mesh = run({"deform", in, cage, "-o", out});
+  EXPECT_EQ(mesh.code, code(ExitCode::cannot_read));
+  EXPECT_THAT(mesh.err, AllOf(HasSubstr("in.ply"), HasSubstr("prcage bind")));
+  std::filesystem::resize_file(weights, 100);
+  const Outcome cut = run({"deform", weights, cage, "-o", out});
+  EXPECT_EQ(cut.code, code(ExitCode::cannot_read));
+  EXPECT_THAT(cut.err, AllOf(HasSubstr("weights: byte 100: "), HasSubstr("truncated")));
+  EXPECT_EQ(run({"bind", in, cage, "-o", path("nowhere/weights")}).code, code(ExitCode::cannot_write));
+  EXPECT_FALSE(exists("out.ply"));
+  EXPECT_FALSE(exists("none"));
+  expect_usage_error({"deform", weights, "-o", out}, "DEFORMED_CAGE");
+  expect_usage_error({"deform", in, cage, cage, cage, "-o", out}, "unexpected argument");
+  expect_usage_error({"deform", "-", "-", "-o", out}, "standard input");
+  expect_usage_error({"bind", in, cage, "--keep", "0", "-o", weights}, "of at least 1");
+  expect_usage_error({"pose", cage, "-o", out}, "--bend or --twist");
+  expect_usage_error({"pose", cage, "--bend", "9", "--axis", "w", "-o", out}, "none of x, y and z");
+}
+
 // ----------------------------------------------------------------------------------------------------- cage
 
 TEST_F(Cli, CageWritesTheCageAndTellsPeopleOnStandardError) {
@@ -830,6 +904,45 @@ TEST_F(Cli, RenderWritesAPicture) {
   EXPECT_EQ(refused.code, code(ExitCode::invalid_mesh));
   EXPECT_THAT(refused.err, HasSubstr("broken.off"));
   EXPECT_FALSE(exists("q.png"));
+}
+
+// A colour near the middle of what is left of the scale, but beside the diagonal of a face that fills it.
+std::array<int, 3> color_beside_middle(const std::string& path) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  EXPECT_NE(png_image_begin_read_from_file(&image, path.c_str()), 0) << image.message;
+  image.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(image));
+  EXPECT_NE(png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr), 0) << image.message;
+  const std::size_t width = image.width, height = image.height;
+  const std::size_t bar = static_cast<std::size_t>(scale_bar_width(static_cast<int>(width), static_cast<int>(height)));
+  const std::uint8_t* pixel = &pixels[3 * (height / 2 * width + (width - bar) / 2 + height / 8)];
+  return {pixel[0], pixel[1], pixel[2]};
+}
+
+// Seen from the front, the middle of the cage is at half a unit from the input, whose diagonal is sqrt(3).
+TEST_F(Cli, RenderColoursByDistance) {
+  Mesh large = cube();
+  for (auto& p : large.positions)
+    for (double& x : p) x = 2 * x - 0.5;
+  const std::string in = file("in.ply", cube()), cage = file("cage.ply", large);
+  const auto color_at = [&](const char* distance_max) {
+    EXPECT_EQ(run({"render", in, cage, "-o", path("p.png"), "--single", "--distance", "--distance-max", distance_max,
+                   "--width", "240", "--height", "120", "--samples", "1", "--azimuth", "0", "--elevation", "0"})
+                  .code,
+              code(ExitCode::ok));
+    return color_beside_middle(path("p.png"));
+  };
+  // From the front nothing is shaded: yellow beyond the end of the scale, green in its middle, blue far below.
+  const auto expect_near = [](const std::array<int, 3>& color, const std::array<int, 3>& expected) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(color[k], expected[k], 8) << k;
+  };
+  expect_near(color_at("0.2"), {253, 231, 37});
+  expect_near(color_at("0.57735"), {33, 144, 141});
+  expect_near(color_at("1"), {54, 91, 140});
+  expect_usage_error({"render", in, "-o", path("q.png"), "--distance"}, "that of a cage");
+  expect_usage_error({"render", in, cage, "-o", path("q.png"), "--distance-max", "0.1"}, "--distance");
+  expect_usage_error({"render", in, cage, "-o", path("q.png"), "--distance", "--width", "100"}, "at least 200");
 }
 
 }  // namespace

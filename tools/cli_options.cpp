@@ -1,5 +1,6 @@
 #include "tools/cli_options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/cli_help.h"
+#include "tools/scale_bar.h"
 
 namespace prcage {
 namespace {
@@ -26,7 +28,8 @@ constexpr const char* libraries_text =
     "  CGAL kernel (LGPL-3.0-or-later), GMP and MPFR (LGPL-3.0-or-later), Embree (Apache-2.0), oneTBB (Apache-2.0),\n"
     "  OpenVDB (MPL-2.0), Eigen (MPL-2.0), Boost (BSL-1.0), xsimd (BSD-3-Clause), {fmt} (MIT), CLI11 (BSD-3-Clause),\n"
     "  JSON for Modern C++ (MIT), xxHash (BSD-2-Clause), SQLite (public domain), zlib (Zlib), libpng (libpng-2.0),\n"
-    "  meshoptimizer (MIT); in the page of a report: three.js (MIT), Tabulator (MIT), Observable Plot and D3 (ISC)";
+    "  meshoptimizer (MIT), stb (MIT); in the page of a report: three.js (MIT), Tabulator (MIT), Observable Plot and "
+    "D3 (ISC)";
 
 std::string version_text() {
   return fmt::format("prcage {}\n{}{}", version(), has_alpha_wrap() ? licence_with_wrap_text : licence_text,
@@ -404,6 +407,12 @@ void add_picture(CLI::App& app, RenderCommand& command, RenderSwitches& switches
   add_count(app, "--height", command.options.height, {16, 16384}, "Pixels of it from top to bottom, 16 to 16384 [640]");
   add_count(app, "--samples", command.options.samples, {1, 16}, "Samples of a pixel along each axis, 1 to 16 [4]");
   add_flag(app, "--single", switches.single, "One picture, cage over input");
+  CLI::Option* const distance =
+      add_flag(app, "--distance", command.distance,
+               "Colour the cage by its distance to the input, with a scale: instead of the cage alone, or of --single");
+  add_ratio(app, "--distance-max", command.options.distance_max, 1,
+            "With --distance: where the scale ends, relative to the diagonal [the largest]")
+      ->needs(distance);
   add_flag(app, "--facets", switches.facets, "Draw the facets of the input instead of smooth shading");
   add_flag(app, "--no-shadow", switches.no_shadow, "No shadow on the ground");
 }
@@ -428,9 +437,86 @@ void add_render(CLI::App& app, RenderCommand& command, RenderSwitches& switches)
     command.options.smooth = !switches.facets;
     command.options.shadow = !switches.no_shadow;
     check_picture_name(command.output);
+    if (command.distance && command.cage.empty()) {
+      throw CLI::ValidationError("--distance", "is that of a cage: name one after the input");
+    }
+    if (command.distance && command.options.width < least_width_with_scale) {
+      throw CLI::ValidationError("--width", fmt::format("with --distance at least {}", least_width_with_scale));
+    }
     if (command.input == "-" && command.cage == "-") {
       throw CLI::ValidationError("CAGE", "the mesh and the cage cannot both come from standard input");
     }
+  });
+}
+
+void add_bind(CLI::App& app, BindCommand& command, bool& floats) {
+  app.add_option("INPUT", command.input, "Mesh to bind; - is standard input")->required()->type_name("");
+  app.add_option("CAGE", command.cage, "Closed cage to bind it to; - is standard input")->required()->type_name("");
+  app.add_option("-o,--output", command.output, "File of weights to write (required); - is standard output")
+      ->required()
+      ->type_name("WEIGHTS");
+  add_count(app, "--keep", command.options.keep, {1},
+            "Keep the N largest weights of each vertex, scaled up to the sum 1;\nwhat that costs is reported [all]");
+  add_flag(app, "--float", floats, "Store the weights as floats: half the size, errors of 1e-7");
+  add_threads(app, command.options.threads);
+  add_flag(app, "--quiet", command.quiet, "No summary; errors are still printed");
+  app.callback([&command, &floats] {
+    command.options.precision = floats ? Precision::float32 : Precision::float64;
+    if (command.input == "-" && command.cage == "-") {
+      throw CLI::ValidationError("CAGE", "the mesh and the cage cannot both come from standard input");
+    }
+  });
+}
+
+std::size_t parse_axis(const std::string& text) {
+  for (const std::size_t axis : {0u, 1u, 2u})
+    if (text == std::string(1, "xyz"[axis])) return axis;
+  throw CLI::ValidationError("--axis", fmt::format("'{}' is none of x, y and z", text));
+}
+
+void add_pose(CLI::App& app, PoseCommand& command, std::optional<MeshFormat>& format) {
+  app.add_option("CAGE", command.input, "Cage, or any mesh; - is standard input")->required()->type_name("");
+  app.add_option("-o,--output", command.output, "Mesh to write (required); - is standard output, needs --format")
+      ->required()
+      ->type_name("OUTPUT");
+  add_degrees(app, "--bend", command.options.bend, 3600, "Bend it by so much from end to end");
+  add_degrees(app, "--twist", command.options.twist, 3600, "Twist it by so much from end to end; before --bend");
+  app.add_option_function<std::string>(
+         "--axis", [&command](const std::string& text) { command.options.axis = parse_axis(text); },
+         "The axis from end to end [that of the longest side of the\nbounding box]")
+      ->type_name("x|y|z");
+  add_format(app, format);
+  app.callback([&app, &command, &format] {
+    if (app.count("--bend") + app.count("--twist") == 0) throw CLI::RequiredError("--bend or --twist");
+    command.format = output_format(command.output, format);
+  });
+}
+
+void add_deform(CLI::App& app, DeformCommand& command, std::vector<std::string>& files,
+                std::optional<MeshFormat>& format) {
+  app.add_option("FILES", files,
+                 "WEIGHTS of prcage bind, or INPUT and the CAGE to bind it to;\n"
+                 "then DEFORMED_CAGE, which has the same vertices in the same order.\n"
+                 "One of them may be -, standard input")
+      ->type_name("");
+  app.add_option("-o,--output", command.output, "Mesh to write (required); - is standard output, needs --format")
+      ->required()
+      ->type_name("OUTPUT");
+  add_format(app, format);
+  add_threads(app, command.threads);
+  app.callback([&command, &files, &format] {
+    if (files.size() < 2) throw CLI::RequiredError(files.empty() ? "WEIGHTS" : "DEFORMED_CAGE");
+    if (files.size() > 3) throw CLI::ValidationError(fmt::format("unexpected argument '{}'", files[3]));
+    if (std::count(files.begin(), files.end(), "-") > 1)
+      throw CLI::ValidationError("FILES", "only one of them can come from standard input");
+    command.deformed_cage = files.back();
+    if (files.size() == 2) {
+      command.weights = files[0];
+    } else {
+      command.input = files[0];
+      command.cage = files[1];
+    }
+    command.format = output_format(command.output, format);
   });
 }
 
@@ -512,9 +598,16 @@ struct Parsed {
   MakeCommand make;
   RenderCommand render;
   RenderSwitches render_switches;
+  BindCommand bind;
+  bool bind_floats = false;
+  PoseCommand pose;
+  DeformCommand deform;
+  std::vector<std::string> deform_files;
   BatchCommand batch;
   MergeCommand merge;
   ReportCommand report;
+  std::optional<MeshFormat> pose_format;
+  std::optional<MeshFormat> deform_format;
   std::optional<MeshFormat> batch_format;
   std::optional<MeshFormat> cage_format;
   std::optional<MeshFormat> make_format;
@@ -561,6 +654,17 @@ void add_commands(CLI::App& app, Parsed& parsed) {
   add_render(add_command(app, "render", "Draw a mesh, and its cage, as a PNG picture",
                          {"INPUT [CAGE] -o OUTPUT [OPTIONS]"}, {cannot_read, invalid_mesh, cannot_write}),
              parsed.render, parsed.render_switches);
+  add_bind(add_command(app, "bind", "Bind a mesh to a cage by mean value coordinates",
+                       {"INPUT CAGE -o WEIGHTS [OPTIONS]"}, {cannot_read, invalid_mesh, cannot_write}),
+           parsed.bind, parsed.bind_floats);
+  add_pose(add_command(app, "pose", "Bend or twist a cage",
+                       {"CAGE --bend DEGREES -o OUTPUT [OPTIONS]", "CAGE --twist DEGREES -o OUTPUT [OPTIONS]"},
+                       {cannot_read, cannot_write}),
+           parsed.pose, parsed.pose_format);
+  add_deform(add_command(app, "deform", "Deform a mesh by its deformed cage",
+                         {"WEIGHTS DEFORMED_CAGE -o OUTPUT [OPTIONS]", "INPUT CAGE DEFORMED_CAGE -o OUTPUT [OPTIONS]"},
+                         {cannot_read, invalid_mesh, cannot_write}),
+             parsed.deform, parsed.deform_files, parsed.deform_format);
   add_batch(add_command(app, "batch", "Make the cages of a whole directory, each in a process of its own",
                         {"INPUT -o DIR [OPTIONS]"},
                         {cannot_read, face_budget_not_reached, cannot_write, some_failed, interrupted}),
@@ -594,6 +698,9 @@ std::optional<Command> chosen(const CLI::App& app, const Parsed& parsed) {
   if (app.got_subcommand("info")) return parsed.info;
   if (app.got_subcommand("make")) return parsed.make;
   if (app.got_subcommand("render")) return parsed.render;
+  if (app.got_subcommand("bind")) return parsed.bind;
+  if (app.got_subcommand("pose")) return parsed.pose;
+  if (app.got_subcommand("deform")) return parsed.deform;
   if (app.got_subcommand("batch")) return parsed.batch;
   if (app.got_subcommand("merge")) return parsed.merge;
   if (app.got_subcommand("report")) return parsed.report;

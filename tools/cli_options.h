@@ -12,6 +12,7 @@
 #include "io/mesh_file.h"
 #include "tools/batch_inputs.h"
 #include "tools/exit_codes.h"
+#include "tools/pose.h"
 #include "tools/render.h"
 #include "tools/wrap/alpha_wrap.h"
 
@@ -61,6 +62,32 @@ struct MakeCommand {
   MeshFormat format{};
 };
 
+struct BindCommand {
+  std::string input;
+  std::string cage;
+  std::string output;
+  bool quiet = false;
+  BindOptions options;
+};
+
+struct PoseCommand {
+  std::string input;
+  std::string output;
+  MeshFormat format{};
+  PoseOptions options;
+};
+
+// Either the weights, or the input and its cage.
+struct DeformCommand {
+  std::string weights;
+  std::string input;
+  std::string cage;
+  std::string deformed_cage;
+  std::string output;
+  MeshFormat format{};
+  int threads = 0;
+};
+
 struct BatchCommand {
   std::string input;   // directory, or file with a list of meshes
   std::string output;  // directory of cages and table
@@ -93,11 +120,12 @@ struct RenderCommand {
   std::string input;
   std::string cage;  // empty: a picture of the input alone
   std::string output;
+  bool distance = false;  // colour by distance; without options.distance_max up to the largest there is
   RenderOptions options;
 };
 
 using Command = std::variant<CageCommand, CheckCommand, EvalCommand, InfoCommand, MakeCommand, RenderCommand,
-                             BatchCommand, MergeCommand, ReportCommand>;
+                             BindCommand, PoseCommand, DeformCommand, BatchCommand, MergeCommand, ReportCommand>;
 
 // Either a command to run, or none and the code to exit with: help, version or the usage error have been printed.
 struct CommandLine {

@@ -1,4 +1,5 @@
 // prcage render: a picture of a mesh, or of a mesh and its cage.
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -21,6 +22,17 @@ bool drawable(const InputMesh& input) {
   return false;
 }
 
+// Where the colours end if nobody says so. False, and said so, if the cage cannot be measured.
+bool find_largest_distance(const InputMesh& input, const InputMesh& cage, RenderOptions& options) {
+  MeasureOptions measure;
+  measure.threads = options.threads;
+  const CageMeasures measures = measure_cage(input.file.mesh, cage.file.mesh, measure);
+  constexpr double least = 1e-9;  // where cage and input are one, there still is a scale
+  options.distance_max = std::max(measures.cage_to_input.hausdorff, least);
+  if (measures.status != Status::ok) print_error(fmt::format("{}: {}", input_name(cage.path), measures.message));
+  return measures.status == Status::ok;
+}
+
 }  // namespace
 
 ExitCode run(const RenderCommand& command) {
@@ -32,9 +44,13 @@ ExitCode run(const RenderCommand& command) {
   if (cage && !cage->file.ok) return ExitCode::cannot_read;
   if (!drawable(input) || (cage && !drawable(*cage))) return ExitCode::invalid_mesh;
 
+  RenderOptions options = command.options;
+  if (command.distance && options.distance_max == 0 && !find_largest_distance(input, *cage, options))
+    return ExitCode::invalid_mesh;
+
   std::string error;
   const Mesh* cage_mesh = cage ? &cage->file.mesh : nullptr;
-  if (render_png(input.file.mesh, cage_mesh, command.options, command.output, error)) return ExitCode::ok;
+  if (render_png(input.file.mesh, cage_mesh, options, command.output, error)) return ExitCode::ok;
   print_error(error);  // the meshes are known to be drawable: it is the file
   return ExitCode::cannot_write;
 }

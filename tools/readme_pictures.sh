@@ -19,6 +19,17 @@ picture() {
   "$program" render "$work/$shape.ply" "$work/$shape-cage.ply" -o "$pictures/$shape.png" --width 1000 --height 350 "$@"
 }
 
+# SHAPE NAME OPTION OF POSE...: the shape deformed by its cage, which picture() has left behind.
+deformed_picture() {
+  shape=$1 name=$2
+  shift 2
+  "$program" pose "$work/$shape-cage.ply" -o "$work/posed.ply" "$@"
+  "$program" deform "$work/$shape.ply" "$work/$shape-cage.ply" "$work/posed.ply" -o "$work/deformed.ply"
+  "$program" render "$work/deformed.ply" "$work/posed.ply" -o "$pictures/$name.png" --width 1000 --height 350
+}
+
 mkdir -p "$pictures"
 picture knot 100000
 picture bracket 20000
+deformed_picture bracket bracket-bent --bend 90
+deformed_picture knot knot-twisted --twist 120

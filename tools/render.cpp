@@ -7,6 +7,7 @@
 #include "render.h"
 
 #include <embree3/rtcore.h>
+#include <fmt/core.h>
 #include <png.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -21,8 +22,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/surface.h"
 #include "core/vec3.h"
 #include "io/mesh_file.h"
+#include "parallel/closest_face.h"
+#include "parallel/intersections.h"
+#include "tools/scale_bar.h"
 
 namespace prcage {
 namespace {
@@ -123,6 +128,7 @@ struct Placement {
   double scale;
 
   Vec3f operator()(const Position& p) const { return ((vec(p) - centre) * scale).cast<float>(); }
+  Vec3 inverse(const Vec3f& p) const { return p.cast<double>() / scale + centre; }
 };
 
 struct Hit {
@@ -231,6 +237,28 @@ class Body {
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> first_face_, incident_faces_;  // around vertex v: from first_face_[v] to first_face_[v+1]
   Scene scene_;
+};
+
+// The distance of points of the scene to the input, as colours.
+class DistanceColors {
+ public:
+  // `largest`, where the scale ends, is in the unit of the input.
+  DistanceColors(const Mesh& input, const Placement& place, double largest)
+      : place_(place), largest_(largest), tree_(device_) {
+    tree_.build(unit_frame(input.positions), input.positions, input.triangles, TreeQuality::fast_query);
+  }
+
+  Vec3f operator()(const Vec3f& point) const {
+    const ClosestFace closest(tree_.positions(), tree_.triangles(), tree_.frame(), tree_.tree());
+    const double distance = closest.nearest(place_.inverse(point)).distance;
+    return linear_color(scale_color(largest_ > 0 ? distance / largest_ : 0));
+  }
+
+ private:
+  Placement place_;
+  double largest_;
+  TreeDevice device_;
+  SurfaceTree tree_;
 };
 
 // ---------------------------------------------------------------------------------------------------- camera
@@ -355,6 +383,7 @@ struct Panel {
   const Body* wired = nullptr;  // its edges are drawn, may be null
   bool smooth = false;
   Vec3f color;
+  const DistanceColors* distance = nullptr;  // colours the opaque body instead of `color`, may be null
 };
 
 // What is common to all panels.
@@ -495,6 +524,11 @@ class PanelRenderer {
       flat = -flat;
       normal = -normal;
     }
+    if (panel_.distance != nullptr) {
+      // Shaded just enough to see the form: the colour is a measure.
+      const float light = 0.82f - 0.18f * flat.dot(ray);
+      return light * (*panel_.distance)(camera_.eye() + hit.distance * ray);
+    }
     const Vec3f point = camera_.eye() + hit.distance * ray + ray_offset * flat;
     const float open = openness(body, point, flat, 1.2f, sequence);
     const float sky = 0.5f + 0.5f * normal.dot(camera_.world_up());
@@ -561,24 +595,15 @@ class PanelRenderer {
 
 // ------------------------------------------------------------------------------------------------- a picture
 
-struct Picture {
-  int width, height;
-  std::vector<std::uint8_t> rgb;
-
-  void set(int x, int y, const Vec3f& linear) {
-    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    std::uint8_t* pixel = &rgb[3 * (row + static_cast<std::size_t>(x))];
-    for (int channel = 0; channel < 3; ++channel) pixel[channel] = to_srgb_byte(linear[channel]);
-  }
-};
-
-std::vector<Panel> make_panels(const Body& input, const Body* cage, const RenderOptions& options) {
+std::vector<Panel> make_panels(const Body& input, const Body* cage, const DistanceColors* distance,
+                               const RenderOptions& options) {
   const Vec3f input_color = linear_color(options.input_color), cage_color = linear_color(options.cage_color);
   const Panel plain{&input, nullptr, nullptr, options.smooth, input_color};
   if (cage == nullptr) return {plain};
   const Panel caged{&input, cage, cage, options.smooth, input_color};
-  if (!options.panels) return {caged};
-  return {plain, caged, {cage, nullptr, cage, false, cage_color}};
+  const Panel alone{cage, nullptr, cage, false, cage_color, distance};
+  if (!options.panels) return {distance != nullptr ? alone : caged};
+  return {plain, caged, alone};
 }
 
 // Draws a panel into columns [left, left + width) of the picture.
@@ -586,8 +611,10 @@ void draw_panel(const Panel& panel, const Style& style, const Camera& camera, in
   constexpr int band = 8;
   const PanelRenderer renderer(panel, style, camera, width);
   tbb::parallel_for(0, (picture.height + band - 1) / band, [&](int b) {
-    renderer.render_rows(b * band, std::min((b + 1) * band, picture.height),
-                         [&](int x, int y, const Vec3f& color) { picture.set(left + x, y, color); });
+    renderer.render_rows(b * band, std::min((b + 1) * band, picture.height), [&](int x, int y, const Vec3f& color) {
+      std::uint8_t* const pixel = picture.pixel(left + x, y);
+      for (int channel = 0; channel < 3; ++channel) pixel[channel] = to_srgb_byte(color[channel]);
+    });
   });
 }
 
@@ -608,9 +635,13 @@ Picture render(const Mesh& input, const Mesh* cage, const RenderOptions& options
   std::optional<Body> cage_body;
   if (cage != nullptr) cage_body.emplace(*cage, place, device.get());
   const Body* const cage_or_null = cage_body ? &*cage_body : nullptr;
+  std::optional<DistanceColors> distance;
+  if (cage != nullptr && options.distance_max > 0)
+    distance.emplace(input, place, options.distance_max * extent(input.positions).diagonal());
 
-  const std::vector<Panel> panels = make_panels(input_body, cage_or_null, options);
-  const int count = static_cast<int>(panels.size()), width = options.width / count;
+  const std::vector<Panel> panels = make_panels(input_body, cage_or_null, distance ? &*distance : nullptr, options);
+  const int count = static_cast<int>(panels.size());
+  const int width = (options.width - (distance ? scale_bar_width(options.width, options.height) : 0)) / count;
   Camera camera(options, width * options.samples, options.height * options.samples);
   camera.fit(cage_or_null != nullptr ? std::vector{&input_body, cage_or_null} : std::vector{&input_body});
 
@@ -623,6 +654,7 @@ Picture render(const Mesh& input, const Mesh* cage, const RenderOptions& options
     draw_panel(panel, style, camera, left, width, picture);
     left += width;
   }
+  if (distance) draw_scale_bar(picture, options.distance_max);
   return picture;
 }
 
@@ -652,6 +684,10 @@ bool check_options(const RenderOptions& options, std::string& error) {
     error = "samples must be 1 to 16";
   } else if (!in_range(options.line_width, 0, 100)) {
     error = "line width must be 0 to 100 pixels";
+  } else if (!(options.distance_max >= 0 && std::isfinite(options.distance_max))) {
+    error = "the end of the scale of distances must be a finite number, not negative";
+  } else if (options.distance_max > 0 && options.width < least_width_with_scale) {
+    error = fmt::format("a picture with a scale must be at least {} pixels wide", least_width_with_scale);
   } else if (!in_range(options.elevation, -90, 90) || !std::isfinite(options.azimuth)) {
     error = "elevation must be -90 to 90 degrees and azimuth finite";
   } else {

@@ -27,6 +27,10 @@ struct RenderOptions {
   // With a cage: input, cage over input and cage alone, side by side. Otherwise one picture, cage over input.
   bool panels = true;
 
+  // Above 0: colours the cage by its distance to the input, with a bar that says how, where otherwise is the cage alone
+  // or the one picture. The colours end at this distance, relative to the diagonal of the input.
+  double distance_max = 0;
+
   bool smooth = true;       // interpolate normals of the input where it has no crease; otherwise facets
   bool shadow = true;       // on an invisible white floor
   double line_width = 1.3;  // of the wires, in pixels

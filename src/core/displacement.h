@@ -11,11 +11,12 @@ namespace prcage {
 // The shortest x with n . x >= 1 for all unit normals n. False if there is none.
 bool clearing_direction(std::span<const Vec3> normals, Vec3& direction);
 
-// The clearing direction of the faces at a vertex; those without a reliable normal are left out. False if there is
-// none, a singular vertex (see vertex_cap.h); the direction is then the mean normal.
-bool displacement_direction(const CornerTable& mesh, std::uint32_t vertex, Vec3& direction);
+// The clearing direction of the faces at a vertex; those without area are left out, and those that are low against the
+// step if there is none otherwise: it clears them with their neighbours. False if there is none, a singular vertex (see
+// vertex_cap.h); the direction is then the mean normal.
+bool displacement_direction(const CornerTable& mesh, std::uint32_t vertex, double step, Vec3& direction);
 
-// Unit normal of the face of a halfedge, zero if the face is too thin to have a reliable one.
-Vec3 reliable_normal(const CornerTable& mesh, std::uint32_t h);
+// Unit normal of the face of a halfedge, zero if it has no area.
+Vec3 unit_normal(const CornerTable& mesh, std::uint32_t h);
 
 }  // namespace prcage

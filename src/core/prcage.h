@@ -389,6 +389,48 @@ struct CageMeasures {
   }
 };
 
+// ------------------------------------------------------------------------------------------- deformation
+
+struct BindOptions {
+  // Only so many weights of each vertex are kept, those of the largest magnitude; 0: all. What is missing to the sum 1
+  // is spread over them in proportion to their magnitudes.
+  std::size_t keep = 0;
+  Precision precision = Precision::float64;  // in which the weights are kept
+  int threads = 0;                           // as in Options
+};
+
+// The mean value coordinates of a mesh with respect to a cage: positions of the mesh as weighted means of those of the
+// cage (paper sec. 5.5).
+struct CageWeights {
+  Status status = Status::internal_error;  // ok or invalid_input
+  std::string message;                     // empty if ok; one sentence for people otherwise, and there are no weights
+
+  std::size_t vertices = 0;  // of the input
+  std::size_t cage_vertices = 0;
+  std::size_t cage_faces = 0;
+  std::size_t keep = 0;                                 // weights of each vertex; cage_vertices: all
+  std::vector<std::uint32_t> columns;                   // whose they are: `keep` vertices of the cage for each vertex,
+                                                        // ascending; empty if all are kept
+  std::vector<double> values;                           // `keep` for each vertex, or
+  std::vector<float> float_values;                      // the same, the other of the two is empty
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // of the input
+
+  // What truncation and rounding did. The share of the weights' magnitudes that a vertex lost, and its distance from
+  // where it was when the cage is not deformed, relative to l. Over the vertices.
+  double largest_loss = 0;
+  double mean_loss = 0;
+  double largest_rest_error = 0;
+  double mean_rest_error = 0;
+
+  bool dense() const { return columns.empty(); }
+};
+
+struct Deformation {
+  Status status = Status::internal_error;  // ok or invalid_input
+  std::string message;                     // empty if ok; one sentence for people otherwise, and the mesh is empty
+  Mesh mesh;                               // the triangles of the input
+};
+
 // ---------------------------------------------------------------------------------------------- functions
 
 // Checks with exact predicates whether a mesh is a legal input: closed, manifold, consistently and outwardly
@@ -416,6 +458,20 @@ Result make_cage(const MeshView& input, const Options& options = {}, Control* co
 // `input` is strictly inside. Faces that have no area or no place are dropped and counted.
 Result make_cage_around(const MeshView& input, const MeshView& wrap, const Options& options = {},
                         Control* control = nullptr);
+
+// Binds a mesh to a cage. Of the input only the positions matter, which may lie anywhere; on the cage they are bound to
+// the vertex, edge or face that they lie on. The cage must be closed: as many faces pass each edge in one direction as
+// in the other; it may have several components and cavities. The weights of a vertex add up to 1 and reproduce its
+// position, to some 1e-12 of l: the formula gives weights that do so already, and they are only scaled to the sum 1. So
+// every affine map of the cage is one of the mesh.
+CageWeights bind(const MeshView& input, const MeshView& cage, const BindOptions& options = {});
+
+// The bound mesh when the cage is deformed. The deformed cage has the same vertices in the same order; its faces are
+// only counted.
+Deformation deform(const CageWeights& weights, const MeshView& deformed_cage, int threads = 0);
+
+// bind() and deform() in one, the same to the last bit without the memory for the weights: all of them, in doubles.
+Deformation deform(const MeshView& input, const MeshView& cage, const MeshView& deformed_cage, int threads = 0);
 
 // Semantic version of the library, e.g. "0.1.0".
 const char* version();

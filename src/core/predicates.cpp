@@ -134,4 +134,23 @@ int volume_sign(const double* const* corners, std::size_t face_count) {
   return static_cast<int>(CGAL::sign(exact_sum));
 }
 
+void unit_normal(const double* a, const double* b, const double* c, double* normal) {
+  std::array<CGAL::Gmpq, 3> u, v, n;
+  for (std::size_t k = 0; k < 3; ++k) {
+    u[k] = CGAL::Gmpq(b[k]) - CGAL::Gmpq(a[k]);
+    v[k] = CGAL::Gmpq(c[k]) - CGAL::Gmpq(a[k]);
+  }
+  CGAL::Gmpq largest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    n[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+    largest = std::max(largest, CGAL::abs(n[k]));
+  }
+  double squared = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    normal[k] = largest == 0 ? 0 : CGAL::to_double(n[k] / largest);
+    squared += normal[k] * normal[k];
+  }
+  for (std::size_t k = 0; k < 3 && squared > 0; ++k) normal[k] /= std::sqrt(squared);
+}
+
 }  // namespace prcage::exact

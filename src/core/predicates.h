@@ -33,4 +33,8 @@ bool segment_triangle_intersect(const double* p, const double* q, const double* 
 // holds three point pointers a face.
 int volume_sign(const double* const* corners, std::size_t face_count);
 
+// The unit vector along (b-a)x(c-a), rounded from its exact value however thin the triangle is; 0, 0, 0 if the points
+// are collinear.
+void unit_normal(const double* a, const double* b, const double* c, double* normal);
+
 }  // namespace prcage::exact

@@ -8,32 +8,15 @@
 // solver.
 #pragma once
 
-#include "core/qp3_kernel.h"
 #include "core/star_planes_problem.h"
+#include "core/vector_access.h"
 
 namespace prcage {
 namespace {
 
-// How a V is read and written: width, load(), store(), and the numbers of the lanes.
-template <class V>
-struct Access;
-
-template <>
-struct Access<double> {
-  static constexpr std::size_t width = 1;
-  static double load(const double* from) { return *from; }
-  static void store(double value, double* to) { *to = value; }
-  static double lane_numbers() { return 0; }
-};
-
 template <class V>
 inline Triple<V> load3(const double* const from[3], std::size_t i) {
   return {Access<V>::load(from[0] + i), Access<V>::load(from[1] + i), Access<V>::load(from[2] + i)};
-}
-
-template <class V>
-inline Triple<V> broadcast(const double v[3]) {
-  return {V(v[0]), V(v[1]), V(v[2])};
 }
 
 // Faces of a star in the local frame of its edge. All zero but the offsets for those without a reliable normal, whose

@@ -15,8 +15,10 @@
 namespace prcage {
 namespace {
 
-// Steps below 2^-30 sigma are beyond what doubles resolve at the scale of the diagonal.
-constexpr int max_halvings = 30;
+// Steps below 2^-36 sigma are beyond what doubles resolve at the scale of the diagonal.
+constexpr int max_halvings = 36;
+// Steps that have become smaller may free what was held by their vertices: more rounds than halvings.
+constexpr int max_rounds = 4 * max_halvings;
 constexpr std::size_t examples = 5;
 // Radius at which a singular vertex is cut off as a share of its shortest edge.
 constexpr double radius_share = 0.25;
@@ -32,7 +34,7 @@ class Displacer {
         direction_(mesh_.vertex_slots()) {
     std::vector<std::uint8_t> regular(mesh_.vertex_slots());
     parallel_each(mesh_.vertex_slots(), default_grain, [&](std::size_t v) {
-      regular[v] = displacement_direction(mesh_, static_cast<std::uint32_t>(v), direction_[v]) ? 1 : 0;
+      regular[v] = displacement_direction(mesh_, static_cast<std::uint32_t>(v), settings.step, direction_[v]) ? 1 : 0;
     });
     for (std::uint32_t v = 0; v < regular.size(); ++v)
       if (regular[v] == 0) cap_singular(v);
@@ -84,7 +86,7 @@ class Displacer {
     std::vector<Vec3> normal;
     double shortest = std::numeric_limits<double>::infinity();
     for (const std::uint32_t h : cap.fan) {
-      normal.push_back(reliable_normal(mesh_, h));
+      normal.push_back(unit_normal(mesh_, h));
       shortest = std::min(shortest, (mesh_.vec_at(mesh_.target(h)) - corner).norm());
     }
     const std::vector<std::uint32_t> ring =
@@ -133,12 +135,13 @@ std::vector<std::uint8_t> blocked_vertices(const Displacer& displacer, const std
 
 // Halves the steps of vertices that would pass through another sheet of the input. Sheets that have passed through each
 // other no longer meet, except at their rims: the search for conflicts would free one ring of faces after the other.
-void halve_where_blocked(const Displacer& displacer, const SurfaceTree& input, const TreeDevice& device,
-                         std::vector<double>& step) {
+// Returns the vertices that are still blocked.
+std::vector<std::uint8_t> halve_where_blocked(const Displacer& displacer, const SurfaceTree& input,
+                                              const TreeDevice& device, std::vector<double>& step) {
   std::vector<std::uint8_t> asked(step.size(), 1);
-  for (int halving = 0; halving < max_halvings; ++halving) {
+  for (int halving = 0;; ++halving) {
     asked = blocked_vertices(displacer, step, asked, input, device);
-    if (std::find(asked.begin(), asked.end(), 1) == asked.end()) return;
+    if (halving == max_halvings || std::find(asked.begin(), asked.end(), 1) == asked.end()) return asked;
     for (std::size_t v = 0; v < step.size(); ++v)
       if (asked[v] != 0) step[v] *= 0.5;
   }
@@ -241,6 +244,16 @@ void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
   });
 }
 
+// Where a vertex could not but pass through another sheet, a face of it counts as in contact with the input.
+void add_blocked(const std::vector<std::uint8_t>& blocked, const CornerTable& mesh, FacePairs& contacts) {
+  for (std::size_t v = 0; v < blocked.size(); ++v) {
+    if (blocked[v] == 0) continue;
+    const std::uint32_t f = mesh.vertex_halfedge[v] / 3;
+    ++contacts.count;
+    contacts.pairs.push_back({f, f});
+  }
+}
+
 void keep_examples(FacePairs& pairs) {
   if (pairs.pairs.size() > examples) pairs.pairs.resize(examples);
 }
@@ -259,16 +272,17 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   const std::size_t vertices = mesh.vertex_slots();
   result.step.resize(vertices);
   parallel_each(vertices, default_grain, [&](std::size_t v) { result.step[v] = displacer.first_step(v); });
-  halve_where_blocked(displacer, input, device, result.step);
+  const std::vector<std::uint8_t> blocked = halve_where_blocked(displacer, input, device, result.step);
   parallel_each(vertices, default_grain, [&](std::size_t v) { mesh.position[v] = displacer.moved(v, result.step[v]); });
 
   Conflicts conflicts = find_conflicts(mesh, input, device);
-  for (int halving = 0; halving < max_halvings && !conflicts.none(); ++halving) {
+  for (int round = 0; round < max_rounds && !conflicts.none(); ++round) {
     const std::vector<std::uint32_t> changed = halve_at(conflicts, mesh, result.step);
     for (const std::uint32_t v : changed) mesh.position[v] = displacer.moved(v, result.step[v]);
     conflicts = find_conflicts_at(changed, mesh, input, device);
   }
   for (std::size_t v = 0; v < vertices; ++v) result.halved_vertices += result.step[v] < displacer.first_step(v) ? 1 : 0;
+  add_blocked(blocked, mesh, conflicts.input);
   result.valid = conflicts.none();
   result.self_intersections = std::move(conflicts.self);
   result.contacts = std::move(conflicts.input);
