@@ -27,7 +27,7 @@ struct Queries {
   // Empties the memo.
   void forget() {
     workload.band.set_voxel_size(1);
-    workload.band.set_voxel_size(workload.placement.band.tau / 2);
+    workload.band.set_voxel_size(workload.placement.band.outer / 2);
   }
 };
 
@@ -64,7 +64,7 @@ BENCHMARK(near_face_full_memo)->ArgName("threads")->Arg(1);
 
 void within_tau(benchmark::State& state) {
   const Queries queries;
-  const double tau = queries.workload.placement.band.tau;
+  const double tau = queries.workload.placement.band.outer;
   loop_in_arena(state, [&] {
     for (const Face& f : queries.faces) benchmark::DoNotOptimize(queries.workload.band.reach(f.a, f.b, f.c, tau));
     queries.workload.band.absorb();

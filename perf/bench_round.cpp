@@ -84,7 +84,11 @@ void local_tests(benchmark::State& state) {
 }
 BENCHMARK(local_tests)->Apply(cages_and_threads);
 
-BandLimits limits_of(const Workload& workload) { return {workload.placement.band.tau, workload.placement.band.tau}; }
+BandLimits limits_of(const Workload& workload) {
+  BandLimits limits;
+  limits.centroids = limits.reach = workload.placement.band.outer;
+  return limits;
+}
 
 // After the first iteration with the memo of the band full.
 void band_test(benchmark::State& state) {

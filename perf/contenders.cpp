@@ -22,7 +22,7 @@ namespace {
 Json statistics_json(const Result& result, const Options& options) {
   CageCommand command;
   command.options = options;
-  return Json::parse(run_json(command, nullptr, &result, {}))["statistics"];
+  return Json::parse(run_json(command, nullptr, {result}, {}))["statistics"];
 }
 
 // The exit code of a program found by its path, its messages on this process's standard error.

@@ -60,7 +60,7 @@ void Workload::simplify_to(std::size_t faces) {
 
 // As the engine begins a cycle.
 void Workload::enter_cycle(double cycle_tau) {
-  placement.band.tau = cycle_tau * (1 - 1e-12);
+  placement.band.outer = cycle_tau * (1 - 1e-12);
   band.set_voxel_size(cycle_tau / 2);
   sort_along_curve(state);
   make_dirty();

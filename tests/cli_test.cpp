@@ -22,6 +22,7 @@
 #include "core/schedule.h"
 #include "io/mesh_file.h"
 #include "program.h"
+#include "tools/cli_files.h"
 #include "tools/cli_options.h"
 #include "tools/exit_codes.h"
 #include "tools/report_measures.h"
@@ -164,9 +165,9 @@ TEST_F(Cli, HelpAndVersionGoToStandardOutput) {
 
 TEST_F(Cli, HelpDocumentsEveryOption) {
   const std::string help = run({"help", "cage"}).out;
-  for (const char* option :
-       {"--output", "--tau", "--tau-abs", "--tau-mode", "--cycles", "--schedule", "--faces", "--no-edge-flips",
-        "--sigma", "--threads", "--seed", "--flip", "--weld", "--stats", "--format", "--quiet"}) {
+  for (const char* option : {"--output", "--tau", "--tau-abs", "--tau-mode", "--cycles", "--schedule", "--faces",
+                             "--no-edge-flips", "--sigma", "--threads", "--seed", "--flip", "--weld", "--stats",
+                             "--format", "--quiet", "--levels", "--deadline"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
 }
@@ -183,7 +184,7 @@ TEST_F(Cli, UsageLinesShowWhatIsRequired) {
 
 TEST_F(Cli, HelpIsFreeOfTheParsersOwnNotation) {
   for (const char* command : {"cage", "check", "eval", "info", "make", "render", "bind", "pose", "deform", "batch",
-                              "merge", "report", "help"}) {
+                              "merge", "report", "simplify", "help"}) {
     EXPECT_THAT(run({"help", command}).out, AllOf(Not(HasSubstr("REQUIRED")), Not(HasSubstr("Excludes")),
                                                   Not(HasSubstr("INT")), Not(HasSubstr("TEXT"))))
         << command;
@@ -221,6 +222,44 @@ TEST_F(Cli, EachHelpListsTheExitCodesOfItsCommand) {
   EXPECT_FALSE(listed(make, ExitCode::cannot_read));
   EXPECT_FALSE(listed(make, ExitCode::interrupted));
   EXPECT_FALSE(listed(run({"help", "check"}).out, ExitCode::face_budget_not_reached));
+}
+
+TEST_F(Cli, SimplifyWritesACertifiedMeshWithinItsTolerances) {
+  const std::string in = shape("bumpy", 600);
+  const Outcome outcome = run({"simplify", in, "-o", path("out.obj"), "--tau-inner", "1/100", "--tau-outer", "1/50",
+                               "--faces", "300", "--stats", path("stats.json")});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok)) << outcome.err;
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("588 faces -> 300\n"), HasSubstr("0.01 inside, 0.02 outside"),
+                                 HasSubstr("certificate: valid\n"), Not(HasSubstr("encloses"))));
+  const MeshFile file = read_mesh(path("out.obj"));
+  ASSERT_TRUE(file.ok);
+  EXPECT_EQ(file.mesh.triangles.size(), 300u);
+  EXPECT_EQ(run({"check", path("out.obj")}).code, code(ExitCode::ok));
+  const json report = stats("stats.json");
+  EXPECT_EQ(report["status"], "ok");
+  EXPECT_EQ(report["written"], true);
+  EXPECT_EQ(report["options"]["tau_inner"], 0.01);
+  EXPECT_EQ(report["certificate"]["valid"], true);
+  EXPECT_LE(report["deviation"]["inside"].get<double>(), 0.01);
+  EXPECT_LE(report["deviation"]["outside"].get<double>(), 0.02);
+}
+
+TEST_F(Cli, SimplifySaysWhatItCannotDo) {
+  const std::string in = file("in.ply", cube());
+  const Outcome few = run({"simplify", in, "-o", path("out.ply"), "--faces", "4", "--quiet"});
+  EXPECT_EQ(few.code, code(ExitCode::face_budget_not_reached));
+  EXPECT_THAT(few.err, HasSubstr("no fewer than 12 faces"));
+  EXPECT_TRUE(exists("out.ply"));
+  Mesh open = cube();
+  open.triangles.pop_back();
+  const Outcome refused = run({"simplify", file("open.ply", open), "-o", path("none.ply")});
+  EXPECT_EQ(refused.code, code(ExitCode::invalid_mesh));
+  EXPECT_THAT(refused.err, HasSubstr("boundary edge"));
+  EXPECT_FALSE(exists("none.ply"));
+  expect_usage_error({"simplify", in, "-o", path("none.ply"), "--tau", "2"}, "--tau");
+  expect_usage_error({"simplify", in, "-o", path("none.ply"), "--tau", "0.1", "--tau-inner", "0.1"}, "--tau");
+  EXPECT_EQ(run({"simplify", in, "-o", path("out.ply"), "--tau", "2", "--absolute", "--quiet"}).code,
+            code(ExitCode::ok));
 }
 
 TEST_F(Cli, UnknownOrMissingArgumentsAreUsageErrors) {
@@ -855,6 +894,103 @@ TEST_F(Cli, AFaceBudgetIsMetOrSaidNotToBe) {
   EXPECT_EQ(missed.code, code(ExitCode::face_budget_not_reached));
   EXPECT_THAT(missed.err, HasSubstr("face budget not reached"));
   EXPECT_EQ(run({"check", in, "--cage", path("tight.ply")}).code, code(ExitCode::ok));
+}
+
+TEST_F(Cli, ABudgetThatTauDoesNotAllowComesWithTheTauThatDoes) {
+  const std::string in = shape("bumpy", 2000);
+  const Outcome missed =
+      run({"cage", in, "-o", path("c.ply"), "--faces", "60", "--tau", "1/200", "--quiet", "--stats", path("s.json")});
+  ASSERT_EQ(missed.code, code(ExitCode::face_budget_not_reached));
+  const json statistics = stats("s.json")["statistics"];
+  const double needed = statistics["needed_tau"].get<double>() / statistics["diagonal"].get<double>();
+  EXPECT_THAT(missed.err, HasSubstr(fmt::format("about {:.6g} would allow 60 (an upper estimate)", needed)));
+  EXPECT_EQ(run({"cage", in, "-o", path("c.ply"), "--faces", "60", "--tau", fmt::format("{:.6g}", needed)}).code,
+            code(ExitCode::ok));
+}
+
+// ---------------------------------------------------------------------------------------------------- levels
+
+TEST_F(Cli, LevelsAreFilesOfTheirOwn) {
+  const std::string in = shape("bumpy", 2000);
+  const Outcome outcome =
+      run({"cage", in, "-o", path("cage.off"), "--levels", "800,300,100", "--stats", path("s.json")});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("cage.800.off"), HasSubstr("valid around the input and the level before")));
+  EXPECT_THAT(left_behind(),
+              testing::UnorderedElementsAre("bumpy.ply", "cage.800.off", "cage.300.off", "cage.100.off", "s.json"));
+  std::string inner = in;
+  for (const char* level : {"cage.800.off", "cage.300.off", "cage.100.off"}) {
+    EXPECT_EQ(run({"check", inner, "--cage", path(level)}).code, code(ExitCode::ok)) << level;
+    EXPECT_EQ(run({"check", in, "--cage", path(level)}).code, code(ExitCode::ok)) << level;
+    inner = path(level);
+  }
+  const json record = stats("s.json");
+  EXPECT_EQ(record["status"], "ok");
+  EXPECT_EQ(record["cage_written"], true);
+  EXPECT_EQ(record["options"]["levels"], json({800, 300, 100}));
+  EXPECT_EQ(record["options"]["tau"], 0);
+  EXPECT_EQ(record["validation"]["valid"], true);
+  EXPECT_FALSE(record.contains("certificate"));
+  ASSERT_EQ(record["levels"].size(), 3u);
+  EXPECT_TRUE(record["levels"][0]["around_previous"].is_null());
+  EXPECT_EQ(record["levels"][1]["around_previous"]["valid"], true);
+  EXPECT_EQ(record["levels"][2]["certificate"]["valid"], true);
+  EXPECT_EQ(record["levels"][2]["face_budget"], 100);
+  EXPECT_EQ(record["levels"][2]["statistics"]["cage_faces"], 100);
+  EXPECT_EQ(record["levels"][2]["output"], path("cage.100.off"));
+  EXPECT_EQ(record["levels"][2]["cage_written"], true);
+}
+
+TEST_F(Cli, LevelsThatCannotBeAreUsageErrors) {
+  const std::string in = path("nowhere.ply");
+  for (const char* levels : {"", "0", "10,", ",10", "10,10", "10,20", "30,20,25", "10,x", "10 5", "-5", "1e3", "10,0"})
+    expect_usage_error({"cage", in, "-o", path("c.ply"), "--levels", levels}, "--levels");
+  expect_usage_error({"cage", in, "-o", path("c.ply"), "--levels", "20,10", "--faces", "5"}, "--faces");
+  expect_usage_error({"cage", in, "-o", "-", "--format", "ply", "--levels", "20,10"}, "several cages");
+}
+
+TEST_F(Cli, ALevelThatTauDoesNotAllowIsWrittenAllTheSame) {
+  const std::string in = shape("bumpy", 1000);
+  const Outcome outcome = run({"cage", in, "-o", path("c.ply"), "--levels", "500,4", "--tau", "1/50", "--quiet"});
+  EXPECT_EQ(outcome.code, code(ExitCode::face_budget_not_reached));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("face budget not reached"), HasSubstr("c.4.ply")));
+  EXPECT_EQ(run({"check", path("c.500.ply"), "--cage", path("c.4.ply")}).code, code(ExitCode::ok));
+}
+
+TEST(LevelPath, HasTheNumberBeforeTheExtension) {
+  EXPECT_EQ(level_path("cage.ply", 500), "cage.500.ply");
+  EXPECT_EQ(level_path("a.b/cage", 7), "a.b/cage.7");
+  EXPECT_EQ(level_path("../x.v2.stl", 12), "../x.v2.12.stl");
+}
+
+// -------------------------------------------------------------------------------------------------- deadline
+
+TEST_F(Cli, ADeadlineLeavesTheCageReachedSoFarOrNone) {
+  const std::string in = shape("bumpy", 20000);
+  const Outcome none = run({"cage", in, "-o", path("c.ply"), "--deadline", "1e-6", "--stats", path("s.json")});
+  EXPECT_EQ(none.code, code(ExitCode::no_cage));
+  EXPECT_THAT(none.err, HasSubstr("the deadline has passed before there was a cage; nothing written"));
+  EXPECT_FALSE(exists("c.ply"));
+  EXPECT_EQ(stats("s.json")["status"], "deadline_reached");
+  EXPECT_EQ(stats("s.json")["cage_written"], false);
+
+  EXPECT_EQ(run({"cage", in, "-o", path("c.ply"), "--deadline", "100000"}).code, code(ExitCode::ok));
+  expect_usage_error({"cage", in, "-o", path("c.ply"), "--deadline", "0"}, "--deadline");
+  expect_usage_error({"cage", in, "-o", path("c.ply"), "--deadline", "-1"}, "--deadline");
+}
+
+TEST_F(Cli, ADeadlineDuringTheRunLeavesTheCageReachedSoFar) {
+  const std::string in = shape("bumpy", 40000);
+  // However fast or busy the machine is, one of these falls between the first cage and the last.
+  Outcome late;
+  for (double seconds = 0.1; seconds < 200 && late.code != code(ExitCode::deadline_reached); seconds *= 1.5)
+    late = run({"cage", in, "-o", path("c.ply"), "--faces", "40", "--quality", "best", "--deadline",
+                fmt::format("{}", seconds), "--stats", path("s.json")});
+  ASSERT_EQ(late.code, code(ExitCode::deadline_reached));
+  EXPECT_THAT(late.err, HasSubstr("deadline reached: the cage reached so far"));
+  EXPECT_EQ(stats("s.json")["status"], "deadline_reached");
+  EXPECT_EQ(stats("s.json")["cage_written"], true);
+  EXPECT_EQ(run({"check", in, "--cage", path("c.ply")}).code, code(ExitCode::ok));
 }
 
 // ------------------------------------------------------------------------------------------------- interrupt

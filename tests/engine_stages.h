@@ -61,7 +61,7 @@ class Stage {
 
   PlacementSettings placement(double tau) const {
     PlacementSettings settings;
-    settings.band.tau = tau;
+    settings.band.outer = tau;
     settings.min_scale = 1e-12 * diagonal;
     settings.cost_scale = 1 / (diagonal * diagonal);
     return settings;

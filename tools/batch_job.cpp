@@ -13,6 +13,8 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "core/schedule.h"
+
 namespace prcage {
 namespace {
 
@@ -99,7 +101,7 @@ bool reached_a_cage(const std::string& status) {
 
 std::vector<std::string> tau_arguments(const Options& options) {
   if (options.tau_absolute > 0) return {"--tau-abs", fmt::format("{}", options.tau_absolute)};
-  if (options.tau == 0) return {};
+  if (finds_thickness(options)) return {};
   return {"--tau", fmt::format("{}", options.tau)};
 }
 

@@ -18,5 +18,9 @@ ExitCode run(const DeformCommand& command);
 ExitCode run(const BatchCommand& command);
 ExitCode run(const MergeCommand& command);
 ExitCode run(const ReportCommand& command);
+ExitCode run(const SimplifyCommand& command);
+
+// Of a run of the library that ended so.
+ExitCode exit_code_of(Status status);
 
 }  // namespace prcage

@@ -95,4 +95,10 @@ bool writable(const std::string& path) {
   return false;
 }
 
+std::string level_path(const std::string& output, std::size_t faces) {
+  std::filesystem::path path(output);
+  const std::string extension = path.extension();
+  return path.replace_extension(fmt::format("{}{}", faces, extension));
+}
+
 }  // namespace prcage

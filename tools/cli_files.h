@@ -54,4 +54,7 @@ ExitCode write_output(const std::string& path, MeshFormat format, const Mesh& me
 // False, and said so, if it is known beforehand that `path` cannot be written: better before a long run than after.
 bool writable(const std::string& path);
 
+// The file of a level: cage.ply and 500 are cage.500.ply.
+std::string level_path(const std::string& output, std::size_t faces);
+
 }  // namespace prcage

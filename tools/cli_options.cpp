@@ -14,6 +14,7 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include "core/schedule.h"
 #include "tools/cli_help.h"
 #include "tools/scale_bar.h"
 
@@ -70,16 +71,20 @@ struct CountRange {
   }
 };
 
-// Whole decimal number in a range. The parser's own conversion takes -1 as a huge unsigned number and 010 as an octal
-// one.
+// Whole decimal number. The parser's own conversion takes -1 as a huge unsigned number and 010 as an octal one.
+template <typename Integer>
+bool parse_whole(std::string_view text, Integer& value) {
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc{} && stop == end;
+}
+
 template <typename Integer>
 CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, CountRange<Integer> range,
                        const std::string& help) {
   const auto parse = [name, &value, range](const std::string& text) {
     Integer parsed{};
-    const char* end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, parsed);
-    if (error != std::errc{} || stop != end || parsed < range.least || parsed > range.most) {
+    if (!parse_whole(text, parsed) || parsed < range.least || parsed > range.most) {
       throw CLI::ValidationError(name, fmt::format("'{}' is not a whole number {}", text, range.text()));
     }
     value = parsed;
@@ -205,10 +210,10 @@ void add_bound(CLI::App& app, Options& options) {
 }
 
 // Without a thickness or a schedule of it, a number of faces asks for the smallest thickness that reaches it.
-void find_thickness_if_free(const CLI::App& app, Options& options) {
+void find_thickness_if_free(const CLI::App& app, Options& options, bool levels = false) {
   for (const char* name : {"--tau", "--tau-abs", "--cycles", "--schedule"})
     if (app.count(name) != 0) return;
-  if (options.face_budget == 0) return;
+  if (options.face_budget == 0 && !levels) return;
   options.tau = 0;
   if (app.count("--bound") == 0) options.bound = Bound::both;
 }
@@ -284,6 +289,33 @@ void add_cage_settings(CLI::App& app, CageCommand& command, bool& no_edge_flips)
   add_weld(app, command.weld);
 }
 
+std::vector<std::size_t> parse_levels(const std::string& text) {
+  std::vector<std::size_t> levels;
+  const std::string numbers = fmt::format("{},", text);  // every number ends in a comma, an empty last one, too
+  for (const std::string& number : CLI::detail::split(numbers, ',')) {
+    if (!parse_whole(number, levels.emplace_back())) levels.back() = 0;
+  }
+  const std::string error = levels_error(levels);
+  if (error.empty()) return levels;
+  throw CLI::ValidationError("--levels", fmt::format("'{}' is no list of levels: {}", text, error));
+}
+
+void add_levels(CLI::App& app, CageCommand& command) {
+  app.add_option_function<std::string>(
+         "--levels", [&command](const std::string& text) { command.levels = parse_levels(text); },
+         "Nested cages of so many faces, e.g. 5000,1000,200, each strictly\n"
+         "around the one before; OUTPUT cage.ply is then cage.5000.ply, ...")
+      ->type_name("N1,N2,...")
+      ->excludes("--faces");
+}
+
+void add_deadline(CLI::App& app, CageCommand& command) {
+  add_ratio(app, "--deadline", command.deadline, 1e9,
+            "Seconds from the start after which the valid cage reached so far\n"
+            "is certified and written, like after Ctrl-C [none]")
+      ->type_name("SECONDS");
+}
+
 void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips,
               WrapOptions& wrap) {
   app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
@@ -293,6 +325,8 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
       ->required()
       ->type_name("OUTPUT");
   add_cage_settings(app, command, no_edge_flips);
+  add_levels(app, command);
+  add_deadline(app, command);
   add_wrap(app, wrap);
   add_threads(app, command.options.threads);
   app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
@@ -300,14 +334,95 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
   add_format(app, format);
   add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
   app.callback([&app, &command, &format, &no_edge_flips, &wrap] {
-    find_thickness_if_free(app, command.options);
+    find_thickness_if_free(app, command.options, !command.levels.empty());
     command.format = output_format(command.output, format);
     choose_wrap(wrap, command);
     command.options.flips = !no_edge_flips;
+    if (command.output == "-" && !command.levels.empty()) {
+      throw CLI::ValidationError("--levels", "standard output cannot hold several cages: name a file with --output");
+    }
     if (command.output == "-" && command.stats == "-") {
       throw CLI::ValidationError("--stats", "the cage and the statistics cannot both go to standard output");
     }
   });
+}
+
+void add_tolerances(CLI::App& app, SimplifyOptions& options, double& tau) {
+  CLI::Option* both = add_ratio(app, "--tau", tau, std::numeric_limits<double>::infinity(),
+                                "How far the surface may be from the input, on both sides, relative to\n"
+                                "the diagonal of its bounding box, at most 1 [1/100]");
+  add_ratio(app, "--tau-inner", options.tau_inner, std::numeric_limits<double>::infinity(),
+            "The same inside of the input only [1/100]")
+      ->excludes(both);
+  add_ratio(app, "--tau-outer", options.tau_outer, std::numeric_limits<double>::infinity(),
+            "The same outside of the input only [1/100]")
+      ->excludes(both);
+  add_flag(app, "--absolute", options.absolute, "The tolerances are in the unit of the input");
+  app.add_option_function<std::string>(
+         "--tau-mode", [&options](const std::string& mode) { options.tau_mode = parse_tau_mode(mode); },
+         "strict: every point of the surface is proved to be within them [strict]\n"
+         "paper: only the centroids of the faces are tested")
+      ->type_name("strict|paper");
+}
+
+void add_simplify_cycles(CLI::App& app, SimplifyOptions& options) {
+  CLI::Option* cycles = add_count(app, "--cycles", options.cycles, {1, 10000},
+                                  "Uniform steps in which the tolerances are released, 1 to 10000 [10]");
+  app.add_option_function<std::string>(
+         "--schedule", [&options](const std::string& text) { options.schedule = parse_schedule(text); },
+         "The steps themselves, instead of --cycles: rising fractions that end at 1")
+      ->type_name("X1,X2,...")
+      ->excludes(cycles);
+}
+
+struct SimplifySwitches {
+  double tau = 0;
+  bool no_edge_flips = false;
+  bool one_way = false;
+};
+
+void finish_simplify(SimplifyCommand& command, const std::optional<MeshFormat>& format,
+                     const SimplifySwitches& switches) {
+  SimplifyOptions& options = command.options;
+  command.format = output_format(command.output, format);
+  if (switches.tau > 0) options.tau_inner = options.tau_outer = switches.tau;
+  if (!options.absolute && std::max(options.tau_inner, options.tau_outer) > 1)
+    throw CLI::ValidationError("--tau", "is out of range: at most 1, unless --absolute is given");
+  options.flips = !switches.no_edge_flips;
+  options.bound = switches.one_way ? Bound::cage : Bound::both;
+  if (command.output == "-" && command.stats == "-")
+    throw CLI::ValidationError("--stats", "the mesh and the statistics cannot both go to standard output");
+}
+
+void add_simplify(CLI::App& app, SimplifyCommand& command, std::optional<MeshFormat>& format,
+                  SimplifySwitches& switches) {
+  SimplifyOptions& options = command.options;
+  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
+      ->required()
+      ->type_name("");
+  app.add_option("-o,--output", command.output, "Mesh to write (required); - is standard output, needs --format")
+      ->required()
+      ->type_name("OUTPUT");
+  add_count(app, "--faces", options.face_budget, {},
+            "Stop at N faces (or one below, where parity demands);\n0: as few as the tolerances allow [0]");
+  add_tolerances(app, options, switches.tau);
+  add_flag(app, "--one-way", switches.one_way,
+           "Bound the distance of the surface to the input only, not that of\n"
+           "samples of the input to the surface");
+  add_simplify_cycles(app, options);
+  add_flag(app, "--no-edge-flips", switches.no_edge_flips,
+           "Leave out the edge flips that improve triangles between the cycles");
+  add_count(app, "--seed", options.seed, {},
+            "Breaks ties between edges of equal cost [0];\nthe same seed gives the same result");
+  add_flag(app, "--flip", options.accept_inside_out,
+           "Accept an inside-out input, whose faces look inward: turn it\nround instead of refusing it");
+  add_weld(app, command.weld);
+  add_threads(app, options.threads);
+  app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
+      ->type_name("FILE");
+  add_format(app, format);
+  add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
+  app.callback([&command, &format, &switches] { finish_simplify(command, format, switches); });
 }
 
 void add_check(CLI::App& app, CheckCommand& command) {
@@ -608,6 +723,9 @@ struct Parsed {
   ReportCommand report;
   std::optional<MeshFormat> pose_format;
   std::optional<MeshFormat> deform_format;
+  SimplifyCommand simplify;
+  SimplifySwitches simplify_switches;
+  std::optional<MeshFormat> simplify_format;
   std::optional<MeshFormat> batch_format;
   std::optional<MeshFormat> cage_format;
   std::optional<MeshFormat> make_format;
@@ -636,8 +754,9 @@ CLI::App& add_command(CLI::App& app, const std::string& name, const std::string&
 void add_commands(CLI::App& app, Parsed& parsed) {
   using enum ExitCode;
   add_cage(
-      add_command(app, "cage", "Make a certified cage of few faces around a dense mesh", {"INPUT -o OUTPUT [OPTIONS]"},
-                  {cannot_read, invalid_mesh, face_budget_not_reached, no_cage, cannot_write, interrupted}),
+      add_command(
+          app, "cage", "Make a certified cage of few faces around a dense mesh", {"INPUT -o OUTPUT [OPTIONS]"},
+          {cannot_read, invalid_mesh, face_budget_not_reached, no_cage, cannot_write, deadline_reached, interrupted}),
       parsed.cage, parsed.cage_format, parsed.no_edge_flips, parsed.wrap);
   add_check(add_command(app, "check", "Validate a mesh, or certify a cage against a mesh",
                         {"INPUT [OPTIONS]", "INPUT --cage FILE [OPTIONS]"},
@@ -675,6 +794,10 @@ void add_commands(CLI::App& app, Parsed& parsed) {
   add_report(add_command(app, "report", "Make a page to look at from the table of a batch",
                          {"TABLE -o OUTPUT [OPTIONS]"}, {cannot_read, cannot_write}),
              parsed.report);
+  add_simplify(add_command(app, "simplify", "Simplify a mesh within a tolerance on each side of it",
+                           {"INPUT -o OUTPUT [OPTIONS]"},
+                           {cannot_read, invalid_mesh, face_budget_not_reached, no_cage, cannot_write, interrupted}),
+               parsed.simplify, parsed.simplify_format, parsed.simplify_switches);
   add_command(app, "help", "Describe a command", {"[COMMAND]"}, {})
       .add_option("COMMAND", parsed.help_topic, "Name of the command")
       ->type_name("");
@@ -704,6 +827,7 @@ std::optional<Command> chosen(const CLI::App& app, const Parsed& parsed) {
   if (app.got_subcommand("batch")) return parsed.batch;
   if (app.got_subcommand("merge")) return parsed.merge;
   if (app.got_subcommand("report")) return parsed.report;
+  if (app.got_subcommand("simplify")) return parsed.simplify;
   return std::nullopt;
 }
 

@@ -28,7 +28,19 @@ struct CageCommand {
   std::optional<WrapSettings> wrap;  // to cage an alpha wrap of the input
   std::string wrap_output;           // file of that wrap; empty: none
   MeshFormat wrap_format{};
+  double deadline = 0;              // seconds from the start; 0: none
+  std::vector<std::size_t> levels;  // faces of nested cages; empty: one cage
   Options options;
+};
+
+struct SimplifyCommand {
+  std::string input;
+  std::string output;
+  MeshFormat format{};  // of the output
+  std::string stats;    // file of the JSON statistics; empty: none
+  bool weld = false;
+  bool quiet = false;
+  SimplifyOptions options;
 };
 
 struct CheckCommand {
@@ -124,8 +136,9 @@ struct RenderCommand {
   RenderOptions options;
 };
 
-using Command = std::variant<CageCommand, CheckCommand, EvalCommand, InfoCommand, MakeCommand, RenderCommand,
-                             BindCommand, PoseCommand, DeformCommand, BatchCommand, MergeCommand, ReportCommand>;
+using Command =
+    std::variant<CageCommand, CheckCommand, EvalCommand, InfoCommand, MakeCommand, RenderCommand, BindCommand,
+                 PoseCommand, DeformCommand, BatchCommand, MergeCommand, ReportCommand, SimplifyCommand>;
 
 // Either a command to run, or none and the code to exit with: help, version or the usage error have been printed.
 struct CommandLine {

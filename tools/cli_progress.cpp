@@ -49,11 +49,13 @@ std::string progress_text(double progress) {
   return fmt::format("[{}{}] {:3.0f} %", std::string(filled, '#'), std::string(width - filled, '.'), 100 * part);
 }
 
-std::string progress_line(const Control& control, int cycles, double seconds) {
-  const std::string stage = control.cancelled() ? "stopping" : to_string(control.stage());
-  const std::string cycle = control.cycle() > 0 ? fmt::format("  cycle {}/{}", control.cycle(), cycles) : "";
-  return fmt::format("{}  {}{}  {} faces  {:.0f} s", progress_text(control.progress()), stage, cycle, control.faces(),
-                     seconds);
+std::string progress_line(const Control& control, std::size_t levels, int cycles, double seconds) {
+  const std::string stage = control.stopped() ? "stopping" : to_string(control.stage());
+  const std::string level = levels > 1 ? fmt::format("  level {}/{}", control.level(), levels) : "";
+  std::string cycle = control.cycle() > 0 ? fmt::format("  cycle {}", control.cycle()) : "";
+  if (!cycle.empty() && cycles > 0) cycle += fmt::format("/{}", cycles);
+  return fmt::format("{}{}  {}{}  {} faces  {:.0f} s", progress_text(control.progress()), level, stage, cycle,
+                     control.faces(), seconds);
 }
 
 ProgressBar::ProgressBar(Line line)

@@ -49,7 +49,7 @@ class ProgressBar {
 // "[######......]  50 %" for a progress of 0 to 1.
 std::string progress_text(double progress);
 
-// The line of a run with this number of cycles.
-std::string progress_line(const Control& control, int cycles, double seconds);
+// The line of a run with these numbers of levels and cycles; 0: not known beforehand.
+std::string progress_line(const Control& control, std::size_t levels, int cycles, double seconds);
 
 }  // namespace prcage

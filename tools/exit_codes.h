@@ -12,17 +12,17 @@ enum class ExitCode : int {
   cannot_read = 3,              // no such file, or not a mesh
   invalid_mesh = 4,             // the input has defects: no cage can be made of it
   face_budget_not_reached = 5,  // the cage is valid and written, but has more faces than asked for
-  no_cage = 6,                  // no cage possible, or the certificate failed: nothing written
+  no_cage = 6,                  // no cage possible, or none in time, or the certificate failed: nothing written
   cannot_write = 7,
-  some_failed = 8,    // batch: the table is complete, but some meshes have no cage
-  interrupted = 130,  // the valid cage reached so far is written
+  some_failed = 8,       // batch: the table is complete, but some meshes have no cage
+  deadline_reached = 9,  // the valid cage reached so far is written
+  interrupted = 130,     // the valid cage reached so far is written
 };
 
 inline constexpr std::array all_exit_codes{
-    ExitCode::ok,          ExitCode::internal_error, ExitCode::usage,
-    ExitCode::cannot_read, ExitCode::invalid_mesh,   ExitCode::face_budget_not_reached,
-    ExitCode::no_cage,     ExitCode::cannot_write,   ExitCode::some_failed,
-    ExitCode::interrupted,
+    ExitCode::ok,           ExitCode::internal_error,          ExitCode::usage,       ExitCode::cannot_read,
+    ExitCode::invalid_mesh, ExitCode::face_budget_not_reached, ExitCode::no_cage,     ExitCode::cannot_write,
+    ExitCode::some_failed,  ExitCode::deadline_reached,        ExitCode::interrupted,
 };
 
 // What the program says when memory runs out, and knows again when it has run itself as a child.
@@ -44,11 +44,13 @@ constexpr const char* meaning(ExitCode code) {
     case ExitCode::face_budget_not_reached:
       return "face budget not reached; the cage is valid and written";
     case ExitCode::no_cage:
-      return "no cage possible, or a certificate failed; no cage written";
+      return "no cage possible, none before the deadline, or a certificate failed; no cage written";
     case ExitCode::cannot_write:
       return "a file cannot be written";
     case ExitCode::some_failed:
       return "batch: some meshes have no cage; the table says why";
+    case ExitCode::deadline_reached:
+      return "deadline reached; the valid cage reached so far is written";
     case ExitCode::interrupted:
       return "interrupted; the valid cage reached so far is written";
   }

@@ -213,6 +213,12 @@ std::string displacement_text(const Statistics& statistics) {
   return joined(parts);
 }
 
+std::string time_text(const Statistics& statistics, double seconds) {
+  return fmt::format("{:.2f} s on {}, {:.0f} MB", seconds,
+                     counted(static_cast<std::size_t>(statistics.threads), "thread", "threads"),
+                     static_cast<double>(statistics.peak_memory_bytes) * 1e-6);
+}
+
 // ------------------------------------------------------------------------------------------------------ eval
 
 std::string conditions_text(const CageMeasures& measures) {
@@ -341,10 +347,7 @@ std::string run_text(const CageCommand& command, const InputMesh& input, const R
   const Statistics& statistics = result.statistics;
   std::string text = fmt::format("{} -> {}: {} -> {}\n", input_name(command.input), output_name(command.output),
                                  counted(statistics.input_faces, "face", "faces"), statistics.cage_faces);
-  add_line(text, "time",
-           fmt::format("{:.2f} s on {}, {:.0f} MB", seconds,
-                       counted(static_cast<std::size_t>(statistics.threads), "thread", "threads"),
-                       static_cast<double>(statistics.peak_memory_bytes) * 1e-6));
+  add_line(text, "time", time_text(statistics, seconds));
   add_line(text, "tau",
            fmt::format("{:.6g} = {:.6g} of the diagonal, {}{}", statistics.tau, statistics.tau / statistics.diagonal,
                        command.options.tau_mode == TauMode::strict ? "strict" : "at face centroids only",
@@ -354,6 +357,67 @@ std::string run_text(const CageCommand& command, const InputMesh& input, const R
   add_line(text, "reader", reader_text(input));
   add_line(text, "dropped", wrap == nullptr ? dropped_text(result.validation) : dropped_text(wrap->dropped));
   return text + certificate_text(result.certificate, wrap != nullptr);
+}
+
+std::string certificate_text(const SurfaceCertificate& certificate) {
+  std::string text = fmt::format("certificate: {}\n", certificate.valid() ? "valid" : "NOT VALID");
+  add_check(text, "closed", certificate.closed);
+  add_check(text, "manifold", certificate.manifold);
+  add_check(text, "consistently oriented", certificate.oriented);
+  add_check(text, "no degenerate face", certificate.no_degenerate_face);
+  add_check(text, "no self-intersection", certificate.self_intersection_free,
+            pairs_note(certificate.self_intersections));
+  add_check(text, "every face looks outward", certificate.bounds_solid);
+  add_check(text, "same Euler characteristic", certificate.euler_characteristic_equal,
+            std::to_string(certificate.euler_characteristic));
+  add_check(text, "same number of components", certificate.component_count_equal,
+            std::to_string(certificate.components));
+  add_check(text, "same number of cavities", certificate.cavity_count_equal, std::to_string(certificate.cavities));
+  return text;
+}
+
+std::string simplify_text(const SimplifyCommand& command, const InputMesh& input, const SimplifyResult& result,
+                          double seconds) {
+  const Statistics& statistics = result.statistics;
+  const SimplifyOptions& options = command.options;
+  const double unit = options.absolute ? 1 / statistics.diagonal : 1;
+  std::string text = fmt::format("{} -> {}: {} -> {}\n", input_name(command.input), output_name(command.output),
+                                 counted(statistics.input_faces, "face", "faces"), statistics.cage_faces);
+  add_line(text, "time", time_text(statistics, seconds));
+  add_line(text, "tolerance",
+           fmt::format("{:.6g} inside, {:.6g} outside, of the diagonal of {:.9g}, {}", options.tau_inner * unit,
+                       options.tau_outer * unit, statistics.diagonal,
+                       options.tau_mode == TauMode::strict ? "strict" : "at face centroids only"));
+  if (result.deviation) {
+    const TwoSidedDeviation& deviation = *result.deviation;
+    add_line(text, "measured",
+             fmt::format("{:.6g} inside, {:.6g} outside, {:.6g} from the input to the surface", deviation.inside,
+                         deviation.outside, deviation.from_input));
+  }
+  add_line(text, "reader", reader_text(input));
+  add_line(text, "dropped", dropped_text(result.validation));
+  return text + certificate_text(result.certificate);
+}
+
+std::string levels_text(const CageCommand& command, const InputMesh& input, const std::vector<Result>& levels,
+                        const Wrap* wrap, double seconds) {
+  const Statistics& first = levels.front().statistics;
+  std::string text = fmt::format("{}: {}\n", input_name(command.input), counted(first.input_faces, "face", "faces"));
+  add_line(text, "time",
+           fmt::format("{:.2f} s on {}, {:.0f} MB", seconds,
+                       counted(static_cast<std::size_t>(first.threads), "thread", "threads"),
+                       static_cast<double>(levels.back().statistics.peak_memory_bytes) * 1e-6));
+  if (wrap != nullptr) add_line(text, "wrap", wrap_text(*wrap));
+  add_line(text, "reader", reader_text(input));
+  add_line(text, "dropped", wrap == nullptr ? dropped_text(levels.front().validation) : dropped_text(wrap->dropped));
+  add(text, "  {:>8} {:>12} {:>9}  certificate\n", "faces", "tau", "seconds");
+  for (std::size_t i = 0; i < levels.size() && levels[i].has_cage(); ++i) {
+    const Statistics& s = levels[i].statistics;
+    add(text, "  {:>8} {:>12.6g} {:>9.2f}  valid around the input{} -> {}\n", s.cage_faces, s.tau / s.diagonal,
+        s.seconds.total, levels[i].around_previous ? " and the level before" : "",
+        level_path(command.output, command.levels[i]));
+  }
+  return text;
 }
 
 std::string info_text(const InputMesh& input, const MeshMeasures& measures) {

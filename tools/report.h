@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/prcage.h"
 #include "tools/cli_files.h"
@@ -33,6 +34,15 @@ std::string evaluation_text(const InputMesh& input, const InputMesh& cage, const
 // Summary of a run that has a cage. `wrap` is null if the input itself was caged.
 std::string run_text(const CageCommand& command, const InputMesh& input, const Result& result, const Wrap* wrap,
                      double seconds);
+
+// The same of a simplified surface.
+std::string certificate_text(const SurfaceCertificate& certificate);
+std::string simplify_text(const SimplifyCommand& command, const InputMesh& input, const SimplifyResult& result,
+                          double seconds);
+
+// The same of levels, of which the last may have no cage: a line for each.
+std::string levels_text(const CageCommand& command, const InputMesh& input, const std::vector<Result>& levels,
+                        const Wrap* wrap, double seconds);
 
 std::string info_text(const InputMesh& input, const MeshMeasures& measures);
 

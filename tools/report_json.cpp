@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/schedule.h"
+#include "tools/cli_files.h"
+
 namespace prcage {
 namespace {
 
@@ -113,7 +116,8 @@ Json json_of(const StageSeconds& seconds) {
   return {PRCAGE_FIELD(seconds, total),    PRCAGE_FIELD(seconds, validate), PRCAGE_FIELD(seconds, displace),
           PRCAGE_FIELD(seconds, evaluate), PRCAGE_FIELD(seconds, select),   PRCAGE_FIELD(seconds, build),
           PRCAGE_FIELD(seconds, distance), PRCAGE_FIELD(seconds, collide),  PRCAGE_FIELD(seconds, commit),
-          PRCAGE_FIELD(seconds, flip),     PRCAGE_FIELD(seconds, tighten),  PRCAGE_FIELD(seconds, certify)};
+          PRCAGE_FIELD(seconds, flip),     PRCAGE_FIELD(seconds, tighten),  PRCAGE_FIELD(seconds, estimate),
+          PRCAGE_FIELD(seconds, certify)};
 }
 
 Json json_of(const DroppedFaces& dropped) {
@@ -141,6 +145,7 @@ Json json_of(const Statistics& statistics) {
           PRCAGE_FIELD(statistics, cage_faces),
           PRCAGE_FIELD(statistics, diagonal),
           PRCAGE_FIELD(statistics, tau),
+          {"needed_tau", statistics.needed_tau > 0 ? Json(statistics.needed_tau) : Json()},
           PRCAGE_FIELD(statistics, sigma_min),
           PRCAGE_FIELD(statistics, sigma_max),
           PRCAGE_FIELD(statistics, singular_vertices),
@@ -156,12 +161,10 @@ Json json_of(const Statistics& statistics) {
 }
 
 // Steps as shares of tau; empty if the thickness is found by the run, whose cycles are then those of the statistics.
-std::vector<double> resolved_schedule(const Options& options) {
-  if (options.tau == 0 && options.tau_absolute == 0) return {};
-  if (!options.schedule.empty()) return options.schedule;
-  std::vector<double> schedule;
-  for (int k = 1; k <= options.cycles; ++k) schedule.push_back(static_cast<double>(k) / options.cycles);
-  return schedule;
+std::vector<double> resolved_schedule(Options options) {
+  if (finds_thickness(options)) return {};
+  options.tau_absolute = 1;
+  return thickness_steps(options, 1, 0);
 }
 
 // Tau in both units, whichever was given, once the diagonal that relates them is known. 0 if it was to be found.
@@ -189,6 +192,8 @@ Json json_of(const CageCommand& command, double diagonal) {
           {"cycles", schedule.size()},
           {"schedule", schedule},
           PRCAGE_FIELD(options, face_budget),
+          PRCAGE_FIELD(command, levels),
+          {"deadline", command.deadline > 0 ? Json(command.deadline) : Json()},
           {"bound", options.bound == Bound::both ? "both" : "cage"},
           {"quality", to_string(options.quality)},
           PRCAGE_FIELD(options, flips),
@@ -197,6 +202,48 @@ Json json_of(const CageCommand& command, double diagonal) {
           PRCAGE_FIELD(options, threads),
           PRCAGE_FIELD(options, accept_inside_out),
           {"precision", options.precision == Precision::float32 ? "float32" : "float64"}};
+}
+
+Json json_of(const SimplifyCommand& command) {
+  const SimplifyOptions& options = command.options;
+  return {PRCAGE_FIELD(command, input),
+          PRCAGE_FIELD(command, output),
+          {"format", to_string(command.format)},
+          PRCAGE_FIELD(command, weld),
+          PRCAGE_FIELD(options, tau_inner),
+          PRCAGE_FIELD(options, tau_outer),
+          PRCAGE_FIELD(options, absolute),
+          {"tau_mode", options.tau_mode == TauMode::strict ? "strict" : "paper"},
+          {"bound", options.bound == Bound::both ? "both" : "surface"},
+          PRCAGE_FIELD(options, cycles),
+          PRCAGE_FIELD(options, schedule),
+          PRCAGE_FIELD(options, face_budget),
+          PRCAGE_FIELD(options, flips),
+          PRCAGE_FIELD(options, seed),
+          PRCAGE_FIELD(options, threads),
+          PRCAGE_FIELD(options, accept_inside_out),
+          {"precision", options.precision == Precision::float32 ? "float32" : "float64"}};
+}
+
+Json json_of(const SurfaceCertificate& certificate) {
+  return {{"valid", certificate.valid()},
+          PRCAGE_FIELD(certificate, closed),
+          PRCAGE_FIELD(certificate, manifold),
+          PRCAGE_FIELD(certificate, oriented),
+          PRCAGE_FIELD(certificate, no_degenerate_face),
+          PRCAGE_FIELD(certificate, self_intersection_free),
+          PRCAGE_FIELD(certificate, bounds_solid),
+          PRCAGE_FIELD(certificate, euler_characteristic_equal),
+          PRCAGE_FIELD(certificate, component_count_equal),
+          PRCAGE_FIELD(certificate, cavity_count_equal),
+          PRCAGE_FIELD(certificate, components),
+          PRCAGE_FIELD(certificate, cavities),
+          PRCAGE_FIELD(certificate, euler_characteristic),
+          PRCAGE_FIELD(certificate, self_intersections)};
+}
+
+Json json_of(const TwoSidedDeviation& deviation) {
+  return {PRCAGE_FIELD(deviation, outside), PRCAGE_FIELD(deviation, inside), PRCAGE_FIELD(deviation, from_input)};
 }
 
 Json json_of(const ValueRange& range) {
@@ -264,26 +311,66 @@ Json json_of(const MeasureOptions& options) {
   return {PRCAGE_FIELD(options, samples), PRCAGE_FIELD(options, seed), PRCAGE_FIELD(options, threads)};
 }
 
+// What was asked for and did not come about has no entry, unless it is what ended the sequence.
+Json levels_json(const CageCommand& command, const std::vector<Result>& results, const RunRecord& record) {
+  Json levels = Json::array();
+  for (std::size_t i = 0; i < results.size() && i < command.levels.size(); ++i) {
+    const Result& result = results[i];
+    levels.push_back({{"face_budget", command.levels[i]},
+                      {"output", level_path(command.output, command.levels[i])},
+                      {"cage_written", i < record.levels_written},
+                      {"status", to_string(result.status)},
+                      PRCAGE_FIELD(result, message),
+                      {"statistics", json_of(result.statistics)},
+                      {"certificate", json_of(result.certificate)},
+                      {"around_previous", result.around_previous ? json_of(*result.around_previous) : Json()}});
+  }
+  return levels;
+}
+
 #undef PRCAGE_FIELD
 
 }  // namespace
 
-std::string run_json(const CageCommand& command, const InputMesh* input, const Result* result,
+std::string run_json(const CageCommand& command, const InputMesh* input, const std::vector<Result>& results,
                      const RunRecord& record) {
   Json json = header();
   json["status"] = record.status;
   json["message"] = record.message;
   json["exit_code"] = static_cast<int>(record.exit_code);
   json["cage_written"] = record.cage_written;
-  json["options"] = json_of(command, result ? result->statistics.diagonal : 0);
+  json["options"] = json_of(command, results.empty() ? 0 : results.front().statistics.diagonal);
   json["seconds"] = {
       {"total", record.total_seconds}, {"read", input ? input->seconds : 0}, {"write", record.write_seconds}};
   if (input) json["input"] = json_of(*input);
   if (record.wrap) json["wrap"] = json_of(*record.wrap);
+  if (results.empty()) return text_of(json);
+  json["validation"] = json_of(results.front().validation);
+  if (!command.levels.empty()) {
+    json["levels"] = levels_json(command, results, record);
+  } else {
+    json["statistics"] = json_of(results.front().statistics);
+    json["certificate"] = json_of(results.front().certificate);
+  }
+  return text_of(json);
+}
+
+std::string simplify_json(const SimplifyCommand& command, const InputMesh* input, const SimplifyResult* result,
+                          const RunRecord& record) {
+  Json json = header();
+  json["status"] = record.status;
+  json["message"] = record.message;
+  json["exit_code"] = static_cast<int>(record.exit_code);
+  json["written"] = record.cage_written;
+  json["options"] = json_of(command);
+  json["seconds"] = {
+      {"total", record.total_seconds}, {"read", input ? input->seconds : 0}, {"write", record.write_seconds}};
+  if (input) json["input"] = json_of(*input);
   if (result) {
     json["statistics"] = json_of(result->statistics);
     json["validation"] = json_of(result->validation);
     json["certificate"] = json_of(result->certificate);
+    json["deviation"] = result->deviation ? json_of(*result->deviation) : Json();
   }
   return text_of(json);
 }

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/prcage.h"
 #include "tools/cli_files.h"
@@ -18,14 +19,20 @@ struct RunRecord {
   std::string status;  // to_string(Status), or cannot_read, cannot_write
   std::string message;
   ExitCode exit_code = ExitCode::internal_error;
-  bool cage_written = false;
+  bool cage_written = false;  // of levels: all of those that were asked for
+  std::size_t levels_written = 0;
   double write_seconds = 0;
   double total_seconds = 0;
   std::optional<Wrap> wrap;  // tried
 };
 
-// `input` and `result` may be null: then nothing is known of them.
-std::string run_json(const CageCommand& command, const InputMesh* input, const Result* result, const RunRecord& record);
+// `input` may be null, `results` empty: then nothing is known of them. Several results are levels.
+std::string run_json(const CageCommand& command, const InputMesh* input, const std::vector<Result>& results,
+                     const RunRecord& record);
+
+// The same of a run of `prcage simplify`; "cage" stands for the simplified mesh.
+std::string simplify_json(const SimplifyCommand& command, const InputMesh* input, const SimplifyResult* result,
+                          const RunRecord& record);
 
 std::string validation_json(const InputMesh& input, const Validation& validation);
 std::string certificate_json(const InputMesh& input, const InputMesh& cage, const Certificate& certificate);

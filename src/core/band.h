@@ -1,5 +1,5 @@
 // The band seam: which interval of signed heights above the plane of a face a new vertex may take. The engine is the
-// same for every band; a cage's is eq. 4 of the paper.
+// same for every band; that of a cage lies outside of M (paper eq. 4), that of a simplification on both sides (eq. 9).
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,20 @@ struct HeightInterval {
   double upper;
 };
 
-// Cage (eq. 4): outward only, at most what is left of tau. `distance` is an upper bound of d(c_f, M).
-struct CageBand {
-  double tau;
+// On which sides of M a surface may be. On the outer one only: it also never moves inward.
+enum class Sides { outer, both };
 
-  HeightInterval operator()(double distance) const { return {0.0, std::max(0.0, tau - distance)}; }
+struct Band {
+  double outer = 0;  // how far from M outside of it
+  double inner = 0;  // and inside of it
+  Sides sides = Sides::outer;
+
+  // `distance` is an upper bound of d(c_f, M); for a band on both sides it is negative inside of M. The plane of the
+  // face itself is always allowed.
+  HeightInterval operator()(double distance) const {
+    const double lower = sides == Sides::outer ? 0.0 : std::min(0.0, -inner - distance);
+    return {lower, std::max(0.0, outer - distance)};
+  }
 };
 
 }  // namespace prcage

@@ -12,6 +12,8 @@ const char* to_string(Status status) {
       return "face_budget_not_reached";
     case Status::cancelled:
       return "cancelled";
+    case Status::deadline_reached:
+      return "deadline_reached";
     case Status::invalid_options:
       return "invalid_options";
     case Status::invalid_input:
@@ -86,6 +88,10 @@ const char* to_string(Control::Stage stage) {
       return "collapse";
     case Control::Stage::flip:
       return "flip";
+    case Control::Stage::tighten:
+      return "tighten";
+    case Control::Stage::estimate:
+      return "estimate";
     case Control::Stage::certify:
       return "certify";
     case Control::Stage::done:

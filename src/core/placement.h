@@ -17,7 +17,7 @@
 namespace prcage {
 
 struct PlacementSettings {
-  CageBand band{0};
+  Band band;
   // Added to the lower bound of eq. 4, relative to the edge: keeps active constraints on the certain side of their
   // planes under rounding (without it exact orientation rejects half of the candidates).
   double margin = 1e-9;
@@ -66,7 +66,8 @@ struct PlacementBatch {
   void clear();
 };
 
-// Appends the problem of an edge whose star has been walked. face_distance[f] is an upper bound of d(c_f, M).
+// Appends the problem of an edge whose star has been walked. face_distance[f] is what the band wants to know of d(c_f,
+// M).
 void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, const EdgeStar& star,
                       const PlacementSettings& settings, PlacementBatch& batch);
 // The same for an edge by itself.

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -56,6 +57,7 @@ enum class Status {
   ok,
   face_budget_not_reached,  // the cage is valid, but tau allows no fewer faces than it has
   cancelled,                // the cage is valid: what had been reached when the caller cancelled
+  deadline_reached,         // the same at the deadline; none if that passed before there was a cage
   invalid_options,          // nothing computed; Result::message names the option
   invalid_input,            // nothing computed; Result::validation lists the defects
   displacement_failed,      // the input could not be moved off itself without a collision: no cage
@@ -144,6 +146,29 @@ struct Certificate {
   }
 };
 
+// The same question of a simplified surface, which encloses nothing.
+struct SurfaceCertificate {
+  bool closed = false;
+  bool manifold = false;            // edges and vertices
+  bool oriented = false;            // consistently
+  bool no_degenerate_face = false;  // no three collinear corners
+  bool self_intersection_free = false;
+  bool bounds_solid = false;  // every face looks out of the solid: no component is turned inside out or misplaced
+  bool euler_characteristic_equal = false;
+  bool component_count_equal = false;
+  bool cavity_count_equal = false;
+
+  std::size_t components = 0;
+  std::size_t cavities = 0;
+  long long euler_characteristic = 0;
+  std::size_t self_intersections = 0;  // intersecting pairs of faces
+
+  bool valid() const {
+    return closed && manifold && oriented && no_degenerate_face && self_intersection_free && bounds_solid &&
+           euler_characteristic_equal && component_count_equal && cavity_count_equal;
+  }
+};
+
 // The four conditions by which the paper counts a cage as a success (sec. 4.1), in terms of the certificate. The last
 // one is weaker than the certificate, which also compares the numbers of components.
 struct PaperConditions {
@@ -204,33 +229,71 @@ struct Options {
   Precision precision = Precision::float64;
 };
 
+// Constrained simplification (paper sec. 5.3): the same engine in a band on both sides of the input.
+struct SimplifyOptions {
+  // How far the surface may go inside of the input and outside of it, in (0, 1] relative to l; or, if `absolute`,
+  // positive lengths in the input's unit.
+  double tau_inner = 1.0 / 100;
+  double tau_outer = 1.0 / 100;
+  bool absolute = false;
+  TauMode tau_mode = TauMode::strict;  // strict: every point of the surface, each on its side
+  // both: the input as well is within the larger of the two of the surface, at up to 180,000 samples.
+  Bound bound = Bound::both;
+
+  int cycles = 10;               // as in Options
+  std::vector<double> schedule;  // as in Options
+  std::size_t face_budget = 0;   // as in Options
+  bool flips = true;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  bool accept_inside_out = false;
+  Precision precision = Precision::float64;
+
+  std::size_t samples = 20000;  // at which the deviation of the result is measured, on each surface; 0: it is not
+};
+
 // ------------------------------------------------------------------------------------- progress and cancel
 
-// Shared between the caller and a run: the run writes progress, anybody may cancel. Thread-safe. One Control
-// belongs to one run at a time. Cancelling is sticky and answered within a round (milliseconds to a second on
-// millions of faces); the run then returns the valid cage that it has.
+// Shared between the caller and a run: the run writes progress, anybody may cancel or set a deadline. Thread-safe. One
+// Control belongs to one run at a time. Both are sticky and answered within a round (milliseconds to a second on
+// millions of faces); the run then certifies and returns the valid cage that it has. The first cage is the input moved
+// by a little: a run that is cancelled before it goes on until there is one, at a deadline it ends without.
 class Control {
  public:
-  enum class Stage { start, wrap, validate, displace, collapse, flip, certify, done };
+  using Clock = std::chrono::steady_clock;
+  enum class Stage { start, wrap, validate, displace, collapse, flip, tighten, estimate, certify, done };
 
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
 
+  void set_deadline(Clock::time_point deadline) noexcept { deadline_.store(deadline, std::memory_order_relaxed); }
+  bool past_deadline() const noexcept { return Clock::now() >= deadline_.load(std::memory_order_relaxed); }
+  bool stopped() const noexcept { return cancelled() || past_deadline(); }
+
   Stage stage() const noexcept { return stage_.load(std::memory_order_relaxed); }
+  int level() const noexcept { return level_.load(std::memory_order_relaxed); }           // 1.., of make_cages()
   int cycle() const noexcept { return cycle_.load(std::memory_order_relaxed); }           // 1..cycles
   std::size_t faces() const noexcept { return faces_.load(std::memory_order_relaxed); }   // of the cage now
   double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }  // 0..1, never falls
 
-  // For the run itself.
+  // For the run itself. `progress` is that of the present level.
   void report(Stage stage, int cycle, std::size_t faces, double progress) noexcept {
     stage_.store(stage, std::memory_order_relaxed);
     cycle_.store(cycle, std::memory_order_relaxed);
     faces_.store(faces, std::memory_order_relaxed);
+    progress = (level_.load(std::memory_order_relaxed) - 1 + progress) / levels_;
     if (progress > progress_.load(std::memory_order_relaxed)) progress_.store(progress, std::memory_order_relaxed);
+  }
+  void begin_level(int level, int levels) noexcept {
+    levels_ = levels;
+    level_.store(level, std::memory_order_relaxed);
   }
 
  private:
   std::atomic<bool> cancelled_{false};
+  std::atomic<Clock::time_point> deadline_{Clock::time_point::max()};
+  int levels_ = 1;  // touched by the run only
+  std::atomic<int> level_{1};
   std::atomic<Stage> stage_{Stage::start};
   std::atomic<int> cycle_{0};
   std::atomic<std::size_t> faces_{0};
@@ -248,7 +311,7 @@ struct Counts {
   std::uint64_t rejected_infeasible = 0;   // empty feasible region, eq. 4 and 5
   std::uint64_t selected = 0;              // members of an independent set
   std::uint64_t postponed = 0;             // dearer than thought, or not needed for the budget
-  std::uint64_t rejected_orientation = 0;  // exact: a face would sweep inward
+  std::uint64_t rejected_orientation = 0;  // exact: a face would sweep inward, or turn over where that is allowed
   std::uint64_t rejected_degenerate = 0;   // exact: a new face is degenerate or the patch folds onto itself
   std::uint64_t rejected_tau = 0;  // a new face could not be proved within reach, or would uncover samples of the input
   std::uint64_t rejected_cage =
@@ -293,6 +356,7 @@ struct StageSeconds {
   double commit = 0;    // topology, compaction, trees
   double flip = 0;
   double tighten = 0;
+  double estimate = 0;  // of the thickness that the face budget needs
   double certify = 0;
 };
 
@@ -304,6 +368,8 @@ struct Statistics {
   std::size_t cage_faces = 0;
   double diagonal = 0;                // l
   double tau = 0;                     // absolute
+  double needed_tau = 0;              // absolute: where tau did not allow the face budget, an upper estimate of one
+                                      // that does; 0: none is known
   double sigma_min = 0;               // smallest displacement step used, absolute
   double sigma_max = 0;               // largest
   std::size_t singular_vertices = 0;  // displacement QP infeasible
@@ -324,10 +390,36 @@ struct Result {
   Mesh cage;                // empty unless has_cage()
   Validation validation;    // of the input; of the wrap if there is one
   Certificate certificate;  // of the cage
+  // Of a level after the first: of the cage, with the level before as the input.
+  std::optional<Certificate> around_previous;
   Statistics statistics;
 
   // The cage is there and certified.
   bool has_cage() const {
+    return !cage.triangles.empty() && (status == Status::ok || status == Status::face_budget_not_reached ||
+                                       status == Status::cancelled || status == Status::deadline_reached);
+  }
+};
+
+// How far a simplified surface is from its input, measured at samples, vertices and middles of faces, relative to l:
+// lower bounds of the true distances.
+struct TwoSidedDeviation {
+  double outside = 0;     // of the points of the surface outside of the input, from it
+  double inside = 0;      // of those inside of it
+  double from_input = 0;  // of the points of the input, from the surface
+};
+
+struct SimplifyResult {
+  Status status = Status::internal_error;
+  std::string message;                         // empty if ok; one sentence for people otherwise
+  Mesh mesh;                                   // empty unless has_mesh()
+  Validation validation;                       // of the input
+  SurfaceCertificate certificate;              // of the mesh
+  std::optional<TwoSidedDeviation> deviation;  // of the mesh, if samples were asked for
+  Statistics statistics;                       // its "cage" is the mesh, its tau the larger of the two
+
+  // The mesh is there and certified.
+  bool has_mesh() const {
     return status == Status::ok || status == Status::face_budget_not_reached || status == Status::cancelled;
   }
 };
@@ -472,6 +564,30 @@ Deformation deform(const CageWeights& weights, const MeshView& deformed_cage, in
 
 // bind() and deform() in one, the same to the last bit without the memory for the weights: all of them, in doubles.
 Deformation deform(const MeshView& input, const MeshView& cage, const MeshView& deformed_cage, int threads = 0);
+
+// Simplifies a mesh within a tolerance on each side of it: no face turns over, the surface does not intersect itself
+// and keeps its topology. `control` may be null.
+SimplifyResult simplify(const MeshView& input, const SimplifyOptions& options = {}, Control* control = nullptr);
+
+// Certifies a simplified surface from scratch. Both meshes must have indices in range and finite positions; anything
+// else is answered by a certificate that is not valid.
+SurfaceCertificate certify_surface(const MeshView& input, const MeshView& surface, int threads = 0);
+
+// Makes nested cages of falling face budgets, finest first. Each strictly encloses the one before, and all enclose the
+// input: both are certified, the former by Result::around_previous. Every thickness is around the input. So that there
+// is room between the levels, the last one has all of tau and each one before it a hundredth of tau less. Where the
+// thickness is to be found, the search for a level begins where that for the one before ended.
+//
+// One result for each level that was begun, at least one: all but the last have cages, and the last says why there are
+// not more of them if there are fewer than budgets. A level that misses its budget, or was stopped, is kept if it has
+// fewer faces than the one before. Options::face_budget is not used.
+std::vector<Result> make_cages(const MeshView& input, const std::vector<std::size_t>& face_budgets,
+                               const Options& options = {}, Control* control = nullptr);
+
+// The same around triangles of any kind by way of a wrap.
+std::vector<Result> make_cages_around(const MeshView& input, const MeshView& wrap,
+                                      const std::vector<std::size_t>& face_budgets, const Options& options = {},
+                                      Control* control = nullptr);
 
 // Semantic version of the library, e.g. "0.1.0".
 const char* version();

@@ -33,6 +33,8 @@ class Winds {
       if (std::abs(n[i]) < std::abs(n[k])) k = i;
     up_ = n.cross(Vec3::Unit(k));
   }
+  // "Above" is where n x across points to: for an odd one, regular meshes have no vertices on a level with the centre.
+  Winds(const Vec3& n, const Vec3& across, const double* centre) : centre_(centre), up_(n.cross(across)) {}
 
   // The rim runs from b to c here.
   void add(const double* b, const double* c) {

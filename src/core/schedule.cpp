@@ -1,5 +1,6 @@
 #include "core/schedule.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace prcage {
@@ -9,6 +10,15 @@ namespace {
 constexpr double first_thickness = 0.02;
 // Where it ends, relative to l: cages farther away are no cages any more.
 constexpr double last_thickness = 0.5;
+
+// Steps in which a thickness is looked for that would have been enough.
+constexpr double estimate_growth = 1.2;
+constexpr std::size_t most_levels = 50;
+
+// Length of the edges of a cage of so many faces.
+double edge_length(double area, std::size_t faces) {
+  return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(faces));
+}
 
 double growth(Quality quality) {
   switch (quality) {
@@ -24,16 +34,9 @@ double growth(Quality quality) {
 
 }  // namespace
 
-int tightening_passes(Quality quality) {
-  switch (quality) {
-    case Quality::fast:
-      return 0;
-    case Quality::standard:
-      return 2;
-    case Quality::best:
-      return 4;
-  }
-  return 2;
+int tightening_passes(const Options& options) {
+  const int passes = options.quality == Quality::fast ? 0 : options.quality == Quality::standard ? 4 : 8;
+  return finds_thickness(options) ? passes : passes / 2;  // a given thickness is there to be used
 }
 
 std::vector<double> thickness_steps(const Options& options, double diagonal, double area) {
@@ -41,7 +44,7 @@ std::vector<double> thickness_steps(const Options& options, double diagonal, dou
   if (finds_thickness(options)) {
     const double ratio = growth(options.quality);
     const double last = last_thickness * diagonal;
-    const double edge = std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(options.face_budget));
+    const double edge = edge_length(area, options.face_budget);
     if (edge > 0)  // else there is no surface
       for (double t = std::min(first_thickness * edge, last); t < last; t *= ratio) steps.push_back(t);
     steps.push_back(last);
@@ -52,6 +55,23 @@ std::vector<double> thickness_steps(const Options& options, double diagonal, dou
   if (options.schedule.empty())
     for (int k = 1; k <= options.cycles; ++k) steps.push_back(static_cast<double>(k) / options.cycles * tau);
   return steps;
+}
+
+std::vector<double> wider_steps(double tau, std::size_t face_budget, double diagonal, double area) {
+  std::vector<double> steps;
+  const double least = first_thickness * edge_length(area, face_budget);
+  for (double t = std::max(estimate_growth * tau, least); t < last_thickness * diagonal; t *= estimate_growth)
+    steps.push_back(t);
+  return steps;
+}
+
+std::string levels_error(const std::vector<std::size_t>& face_budgets) {
+  if (face_budgets.empty() || face_budgets.size() > most_levels)
+    return "there must be 1 to " + std::to_string(most_levels) + " levels";
+  for (std::size_t i = 0; i < face_budgets.size(); ++i)
+    if (face_budgets[i] == 0 || (i > 0 && face_budgets[i] >= face_budgets[i - 1]))
+      return "the numbers of faces of the levels must fall, and be at least 1";
+  return {};
 }
 
 std::string options_error(const Options& options) {

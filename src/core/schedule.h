@@ -16,8 +16,19 @@ std::vector<double> thickness_steps(const Options& options, double diagonal, dou
 // Is the thickness to be found?
 inline bool finds_thickness(const Options& options) { return options.tau == 0 && options.tau_absolute == 0; }
 
+// Where a thickness proves to be too small for the budget: growing steps beyond it, to where it is no cage any more. A
+// cage of the budget has edges so long that the smallest of them can be passed over.
+std::vector<double> wider_steps(double tau, std::size_t face_budget, double diagonal, double area);
+
+// How much of each thickness is left between a level and the next, and which share of it level i of n has then.
+inline constexpr double level_gap = 0.01;
+inline double level_share(std::size_t i, std::size_t n) { return 1 - static_cast<double>(n - 1 - i) * level_gap; }
+
+// Empty if nested cages can have these budgets, else one sentence.
+std::string levels_error(const std::vector<std::size_t>& face_budgets);
+
 // How often vertices are moved inward after a cycle in which cages are tightened.
-int tightening_passes(Quality quality);
+int tightening_passes(const Options& options);
 
 // Empty if the options are in range, else one sentence that names the option at fault.
 std::string options_error(const Options& options);

@@ -72,7 +72,7 @@ void forget_costs(CageState& state) {
   state.reselect.assign(vertices, 1);
 }
 
-void sort_along_curve(CageState& state) {
+std::vector<std::uint32_t> sort_along_curve(CageState& state) {
   Numbering order;
   order.faces = along_curve(state.face_box);  // dead faces have empty boxes
   order.vertices = vertices_along(state.mesh, order.faces);
@@ -84,8 +84,10 @@ void sort_along_curve(CageState& state) {
   keep(state.face_box, order.faces);
   keep(state.face_normal, order.faces);
   keep(state.dirty, order.vertices);
+  if (state.components > 0) keep(state.vertex_component, order.vertices);
   state.best_edge.resize(order.vertices.size());
   state.reselect.assign(order.vertices.size(), 1);
+  return std::move(order.faces);
 }
 
 }  // namespace prcage

@@ -31,7 +31,8 @@ struct Candidate {
 struct CageState {
   CornerTable mesh;
   std::size_t live_faces = 0;
-  std::vector<float> face_distance;      // per face: upper bound of d(c_f, M)
+  std::vector<float> face_distance;      // per face: upper bound of d(c_f, M); negative inside of M if the band has
+                                         // two sides
   std::vector<std::uint32_t> face_near;  // per face: an input face near its centroid
   std::vector<float> face_reach;         // per face: upper bound of the distance of its points to M
   std::vector<Box> face_box;             // per face; empty for dead faces
@@ -40,6 +41,10 @@ struct CageState {
   std::vector<Candidate> best_edge;      // per vertex: the cheapest edge at it, valid where reselect is 0
   std::vector<std::uint8_t> reselect;    // per vertex: the cost of an edge at it has changed
   std::vector<Dirt> dirty;               // per vertex
+
+  // Where components are in each other's way, since all of them move: how many there are, and that of each vertex.
+  std::size_t components = 0;
+  std::vector<std::uint32_t> vertex_component;
 };
 
 // Distance as a float that is not smaller.
@@ -53,8 +58,9 @@ void set_cost(CageState& state, std::uint32_t h, float cost);
 void forget_costs(CageState& state);
 
 // Removes dead elements and puts the live ones in the order of a space-filling curve, so that what is near in space
-// is near in memory, and runs of faces have small boxes. The order depends on the cage only.
-void sort_along_curve(CageState& state);
+// is near in memory, and runs of faces have small boxes. The order depends on the cage only. Returns the old numbers of
+// the faces.
+std::vector<std::uint32_t> sort_along_curve(CageState& state);
 
 // The lower halfedge stands for an edge.
 inline bool represents_edge(const CornerTable& mesh, std::uint32_t h) {

@@ -48,6 +48,31 @@ bool all_wind(const std::vector<Winding>& windings, int number) {
                      [number](const Winding& w) { return w.known && w.number == number; });
 }
 
+// What the certificates of cages and of simplified surfaces have in common. `tree` is over the surface.
+template <class AnyCertificate, class Input>
+void certify_embedding(const TreeDevice& device, const SurfaceTree& tree, const Topology& t, const Input& input,
+                       AnyCertificate& certificate) {
+  const auto positions = tree.positions();
+  const auto triangles = tree.triangles();
+  certificate.closed = t.defects.boundary.empty();
+  certificate.oriented = t.defects.inconsistent.empty();
+  certificate.manifold =
+      t.defects.non_manifold.empty() && non_manifold_vertices(triangles, positions.size(), t.edges).empty();
+  certificate.components = t.components.count();
+  certificate.euler_characteristic = t.euler_characteristic;
+  certificate.component_count_equal = t.components.count() == input.components;
+  certificate.euler_characteristic_equal = t.euler_characteristic == input.euler_characteristic;
+  const auto degenerate = degenerate_faces(positions, triangles);
+  certificate.no_degenerate_face = degenerate.empty();
+  certificate.self_intersections = count_self_intersections(device, tree, degenerate);
+  certificate.self_intersection_free = certificate.self_intersections == 0;
+}
+
+std::size_t count_cavities(const std::vector<Nesting>& nest) {
+  return static_cast<std::size_t>(
+      std::count_if(nest.begin(), nest.end(), [](const Nesting& n) { return n.is_cavity(); }));
+}
+
 // The last three conditions of the header; the first, no contact, is the caller's.
 bool encloses(const TreeDevice& device, const Enclosed& input, const SurfaceTree& cage, const Components& components) {
   if (input.solid && !input.closed) return false;
@@ -83,24 +108,28 @@ Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const 
   const auto& triangles = used.mesh.triangles;
 
   const Topology t = topology(used.mesh);
-  certificate.closed = t.defects.boundary.empty();
-  certificate.oriented = t.defects.inconsistent.empty();
-  certificate.manifold =
-      t.defects.non_manifold.empty() && non_manifold_vertices(triangles, positions.size(), t.edges).empty();
-  certificate.components = t.components.count();
-  certificate.euler_characteristic = t.euler_characteristic;
-  certificate.component_count_equal = t.components.count() == input.components;
-  certificate.euler_characteristic_equal = t.euler_characteristic == input.euler_characteristic;
-
   SurfaceTree surface(device);
   surface.build(input.surface->frame(), positions, triangles, TreeQuality::fast_query);
-  const auto degenerate = degenerate_faces(positions, triangles);
-  certificate.no_degenerate_face = degenerate.empty();
-  certificate.self_intersections = count_self_intersections(device, surface, degenerate);
-  certificate.self_intersection_free = certificate.self_intersections == 0;
+  certify_embedding(device, surface, t, input, certificate);
   certificate.contacts = contacts(surface, *input.surface, 0).count;
   certificate.no_contact = certificate.contacts == 0;
   certificate.encloses = t.defects.empty() && certificate.no_contact && encloses(device, input, surface, t.components);
+  return certificate;
+}
+
+SurfaceCertificate certify_simplified(const TreeDevice& device, const Simplified& input, const Mesh& surface) {
+  SurfaceCertificate certificate;
+  SubMesh used;
+  if (!well_formed(surface, used)) return certificate;
+  const Topology t = topology(used.mesh);
+  SurfaceTree tree(device);
+  tree.build(input.frame, used.mesh.positions, used.mesh.triangles, TreeQuality::fast_query);
+  certify_embedding(device, tree, t, input, certificate);
+  if (!t.defects.empty() || !certificate.self_intersection_free) return certificate;
+  const auto nest = nesting(device, tree, t.components);
+  certificate.bounds_solid = std::all_of(nest.begin(), nest.end(), [](const Nesting& n) { return n.bounds_solid(); });
+  certificate.cavities = count_cavities(nest);
+  certificate.cavity_count_equal = certificate.cavities == input.cavities;
   return certificate;
 }
 
@@ -133,6 +162,28 @@ Certificate certify_around_triangles(const Mesh& input, const Mesh& wrap, const 
 }
 
 }  // namespace
+
+namespace {
+
+// The frame holds the surface, too: boxes beyond the frame of the input would lose precision.
+SurfaceCertificate certify_simplified_meshes(const Mesh& input, const Mesh& surface) {
+  SubMesh used;
+  if (!well_formed(input, used)) return {};
+  const TreeDevice device;
+  SurfaceTree tree(device);
+  tree.build(unit_frame(used.mesh.positions), used.mesh.positions, used.mesh.triangles, TreeQuality::fast_query);
+  const Topology t = topology(used.mesh);
+  const std::size_t cavities = t.defects.empty() ? count_cavities(nesting(device, tree, t.components)) : 0;
+  return certify_simplified(device, {tree.frame(), t.components.count(), cavities, t.euler_characteristic}, surface);
+}
+
+}  // namespace
+
+SurfaceCertificate certify_surface(const MeshView& input, const MeshView& surface, int threads) {
+  SurfaceCertificate certificate;
+  Arena(threads).run([&] { certificate = certify_simplified_meshes(to_mesh(input), to_mesh(surface)); });
+  return certificate;
+}
 
 Certificate certify_around(const MeshView& input, const MeshView& wrap, const MeshView& cage, int threads) {
   Certificate certificate;

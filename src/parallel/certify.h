@@ -38,6 +38,16 @@ Enclosed enclosed(const CheckedMesh& input);
 
 Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const Mesh& cage);
 
+// What a simplified surface is certified against.
+struct Simplified {
+  UnitFrame frame;  // of the surface
+  std::size_t components = 0;
+  std::size_t cavities = 0;
+  long long euler_characteristic = 0;
+};
+
+SurfaceCertificate certify_simplified(const TreeDevice& device, const Simplified& input, const Mesh& surface);
+
 // Behind certify(): against any input, legal or not.
 Certificate certify_meshes(const Mesh& input, const Mesh& cage);
 

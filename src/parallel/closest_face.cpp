@@ -42,6 +42,12 @@ double ClosestFace::distance_to_face(const Vec3& x, std::uint32_t face) const {
   return std::sqrt(distance_from(face).squared(x));
 }
 
+bool ClosestFace::behind_face(const Vec3& x, std::uint32_t face) const {
+  const Triangle& t = triangles_[face];
+  const Vec3 a = vec(positions_[t[0]]);
+  return (vec(positions_[t[1]]) - a).cross(vec(positions_[t[2]]) - a).dot(x - a) < 0;
+}
+
 ClosestFace::Near ClosestFace::nearest(const Vec3& x, std::uint32_t hint) const {
   const Vec3 y = (x - frame_.centre) * frame_.scale;
   RTCPointQuery query;

@@ -29,6 +29,8 @@ class ClosestFace {
   Near nearest(const Vec3& x, std::uint32_t hint = none) const;
 
   double distance_to_face(const Vec3& x, std::uint32_t face) const;
+  // Is x on the inner side of the plane of the face?
+  bool behind_face(const Vec3& x, std::uint32_t face) const;
   TriangleDistance distance_from(std::uint32_t face) const;
 
  private:

@@ -3,20 +3,34 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "parallel/closest_face.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
 
-Coverage::Coverage(std::span<const Position> positions, std::size_t most) {
+namespace {
+
+std::vector<Position> evenly_chosen(std::span<const Position> positions, std::size_t most) {
   const std::size_t stride = (positions.size() + most - 1) / most;
-  for (std::size_t v = 0; v < positions.size(); v += stride) sample_.push_back(positions[v]);
-  distance_.resize(sample_.size());
-  next_.resize(sample_.size());
-  face_.resize(sample_.size());
-  face_distance_.resize(sample_.size());
+  std::vector<Position> chosen;
+  for (std::size_t v = 0; v < positions.size(); v += stride) chosen.push_back(positions[v]);
+  return chosen;
 }
+
+}  // namespace
+
+Coverage::Coverage(CoverageSamples samples)
+    : sample_(std::move(samples.points)),
+      margin_(samples.margin),
+      distance_(sample_.size()),
+      next_(sample_.size()),
+      face_(sample_.size()),
+      face_distance_(sample_.size()) {}
+
+Coverage::Coverage(std::span<const Position> positions, std::size_t most)
+    : Coverage(CoverageSamples{evenly_chosen(positions, most)}) {}
 
 void Coverage::assign(const CageState& state, const UnitFrame& frame, const TreeDevice& device) {
   const CornerTable& mesh = state.mesh;
@@ -38,6 +52,12 @@ void Coverage::assign(const CageState& state, const UnitFrame& frame, const Tree
     next_[s] = first_[face_[s]];
     first_[face_[s]] = s;
   }
+}
+
+void Coverage::renumber(std::span<const std::uint32_t> old_faces) {
+  std::vector<std::uint32_t> first(old_faces.size());
+  for (std::size_t f = 0; f < first.size(); ++f) first[f] = first_[old_faces[f]];
+  first_ = std::move(first);
 }
 
 bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBatch& batch, std::size_t i) {
@@ -69,6 +89,7 @@ bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBa
 }
 
 void Coverage::test(const CageState& state, double bound, PatchBatch& batch) {
+  bound = std::max(bound - margin_, 0.5 * bound);
   parallel_each(batch.size(), 1, [&](std::size_t i) {
     if (batch.alive(i) && !keeps_samples(state, bound, batch, i)) batch.verdict[i] = Verdict::uncovers_input;
   });

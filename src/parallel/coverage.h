@@ -14,15 +14,24 @@
 
 namespace prcage {
 
+struct CoverageSamples {
+  std::vector<Position> points;
+  // Distances are kept below the bound by so much, as far as that leaves half of it: for what is between the samples.
+  double margin = 0;
+};
+
 class Coverage {
  public:
+  explicit Coverage(CoverageSamples samples);
   // Up to `most` of the positions, in steps of equal length: even over a surface whose vertices lie along a curve.
   Coverage(std::span<const Position> positions, std::size_t most);
 
   // Gives each sample to the face of the cage nearest to it. Needed before anything else, and again whenever faces have
-  // got new numbers.
+  // got new numbers, unless renumber() is called.
   void assign(const CageState& state, const UnitFrame& frame, const TreeDevice& device);
   bool assigned() const { return !first_.empty(); }
+  // Leaves samples with their faces, which have got new numbers: what was old_faces[i] is now i.
+  void renumber(std::span<const std::uint32_t> old_faces);
 
   // Rejects patches that take a sample farther than `bound` from the faces that it comes to, and farther than it was.
   // Patches of a batch replace different faces.
@@ -34,6 +43,7 @@ class Coverage {
   bool keeps_samples(const CageState& state, double bound, const PatchBatch& batch, std::size_t i);
 
   std::vector<Position> sample_;
+  double margin_ = 0;
   std::vector<float> distance_;       // of each sample to its face
   std::vector<std::uint32_t> next_;   // sample: the next one of the same face, or none
   std::vector<std::uint32_t> first_;  // face: its first sample, or none

@@ -33,6 +33,7 @@ class DistanceBand {
   Near nearest(const Vec3& x, std::uint32_t hint = none) const { return closest_.nearest(x, hint); }
   double distance_to_face(const Vec3& x, std::uint32_t face) const { return closest_.distance_to_face(x, face); }
   TriangleDistance distance_from(std::uint32_t face) const { return closest_.distance_from(face); }
+  bool behind_face(const Vec3& x, std::uint32_t face) const { return closest_.behind_face(x, face); }
 
   // An upper bound of the distance of the points of triangle abc to the input, infinity if it is not proved to be at
   // most tau. The distance to one face is convex, so a piece whose corners are within tau of one common face is proved;

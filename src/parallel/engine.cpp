@@ -21,11 +21,11 @@ constexpr double tau_rounding = 1e-12;
 constexpr double size_rounding = 1e-14;
 // Of the thickness of the cycle: shorter moves inward are not worth their tests.
 constexpr double shortest_move = 0.02;
-// The cage begins to carry samples of the input when it has come down to so many faces.
-constexpr std::size_t most_covered_faces = 20000;
 // Where the thickness is found, tightening begins when the cage has come down to so many times its budget, since it
 // lets smaller thicknesses do. A given thickness is used up first.
 constexpr std::size_t earliest_tightening = 6;
+// Of placements that no plane holds: far less than in cages, since it would blunt edges and corners a little each time.
+constexpr double regularization_between_sides = 1e-5;
 // Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
@@ -45,22 +45,23 @@ class Engine {
     settings_.cost_scale = 1 / (context.diagonal * context.diagonal);
     settings_.float_positions = options.precision == Precision::float32;
     if (settings_.float_positions) settings_.absolute_margin = float_margin(state.mesh);
+    if (context.band_shape.sides == Sides::both) settings_.regularization = regularization_between_sides;
   }
 
   EngineOutcome run() {
     const std::vector<double>& thickness = context_.thickness;
     for (std::size_t k = 0; k < thickness.size(); ++k) {
       if (budget_reached()) return EngineOutcome::budget_reached;
-      if (cancelled()) return EngineOutcome::cancelled;
+      if (stopped()) return EngineOutcome::stopped;
       if (k == 0) timed(context_.statistics->seconds.commit, [&] { sort_along_curve(state_); });
       run_cycle(k);
     }
-    if (cancelled()) return EngineOutcome::cancelled;
+    if (stopped()) return EngineOutcome::stopped;
     return budget_reached() ? EngineOutcome::budget_reached : EngineOutcome::schedule_finished;
   }
 
  private:
-  bool cancelled() const { return context_.control != nullptr && context_.control->cancelled(); }
+  bool stopped() const { return context_.control != nullptr && context_.control->stopped(); }
 
   // A collapse removes two faces, so one below the budget is as near as parity allows.
   bool budget_reached() const {
@@ -70,6 +71,7 @@ class Engine {
 
   void report(Control::Stage stage, double part) {
     if (context_.control == nullptr) return;
+    if (context_.estimates) stage = Control::Stage::estimate;
     const double done = (static_cast<double>(cycle_) + part) / static_cast<double>(context_.thickness.size());
     context_.control->report(stage, static_cast<int>(cycle_) + 1, state_.live_faces, 0.05 + 0.9 * done);
   }
@@ -81,15 +83,15 @@ class Engine {
     {
       const Stopwatch watch(cycle.seconds);
       set_limits(cycle.tau);
-      start_coverage();
+      if (renews_coverage() || coverage() == nullptr) start_coverage();
       forget_costs(state_);
       report(Control::Stage::collapse, 0);
-      while (!cancelled() && !budget_reached() && run_round(cycle)) {
+      while (!stopped() && !budget_reached() && run_round(cycle)) {
         ++cycle.rounds;
         report(Control::Stage::collapse, 1 - 1 / (1 + 0.1 * static_cast<double>(cycle.rounds)));
       }
-      if (context_.options->flips && !cancelled()) run_flips(cycle);
-      if (!cancelled()) run_tightening(cycle);
+      if (context_.options->flips && !stopped()) run_flips(cycle);
+      if (!stopped()) run_tightening(cycle);
     }
     cycle.faces = state_.live_faces;
     context_.statistics->counts += cycle.counts;
@@ -99,17 +101,27 @@ class Engine {
   // What is proved of every point is the thickness of the run, if it is known, else that of the cycle.
   void set_limits(double tau) {
     const double proved = finds_thickness(*context_.options) ? tau : context_.thickness.back();
+    const BandShape& shape = context_.band_shape;
     const auto clear = [&](double t) { return t - (tau_rounding * t + size_rounding * context_.diagonal); };
-    limits_.centroids = settings_.band.tau = clear(tau);
-    if (context_.options->tau_mode == TauMode::strict) limits_.reach = clear(proved);
+    limits_.centroids = clear(tau);
+    settings_.band = {shape.outer * limits_.centroids, shape.inner * limits_.centroids, shape.sides};
+    limits_.sides = shape.sides;
+    if (context_.options->tau_mode == TauMode::strict) {
+      limits_.reach = clear(proved);
+      limits_.outer = shape.outer * limits_.reach;
+      limits_.inner = shape.inner * limits_.reach;
+    }
     context_.band->set_voxel_size(proved / voxels_per_tau);
   }
 
   void sort_if_sparse() {
     const double slots = static_cast<double>(state_.mesh.face_slots());
     if (static_cast<double>(state_.live_faces) >= compaction_share * slots) return;
-    sort_along_curve(state_);
-    start_coverage();
+    const std::vector<std::uint32_t> old_faces = sort_along_curve(state_);
+    if (renews_coverage())
+      start_coverage();
+    else if (coverage() != nullptr)
+      coverage()->renumber(old_faces);
   }
 
   // Samples are followed once few enough faces are left for that to be cheap.
@@ -117,11 +129,14 @@ class Engine {
     return context_.coverage != nullptr && context_.coverage->assigned() ? context_.coverage : nullptr;
   }
 
+  // Cages are few in faces when they begin to carry samples, which can afford to look for their nearest faces anew.
+  bool renews_coverage() const { return context_.band_shape.sides == Sides::outer; }
+
   // A patch that moves outward can take in a whole component other than its own.
   bool many_components() const { return context_.input != nullptr && context_.input->components() > 1; }
 
   void start_coverage() {
-    if (context_.coverage == nullptr || state_.live_faces > most_covered_faces) return;
+    if (context_.coverage == nullptr || state_.live_faces > context_.most_covered_faces) return;
     timed(context_.statistics->seconds.distance,
           [&] { context_.coverage->assign(state_, context_.frame, *context_.device); });
   }
@@ -140,16 +155,18 @@ class Engine {
     PatchBatch batch;
     timed(seconds.build, [&] {
       batch = build_collapses(state_, context_.frame, placed);
-      test_patches_locally(state_, batch);
+      test_patches_locally(state_, batch, limits_.sides);
     });
     timed(seconds.distance, [&] { test_patches_against_band(state_, *context_.band, limits_, batch); });
     timed(seconds.collide, [&] {
       if (many_components()) context_.input->reject_sweeps(state_, batch);
+      if (state_.components > 1) reject_sweeps_of_components(state_, *context_.device, batch);
       reject_hits_on_cage(state_, *context_.device, batch);
       reject_conflicts(state_, *context_.device, batch);
     });
     timed(seconds.distance, [&] {
       if (coverage() != nullptr) coverage()->test(state_, limits_.centroids, batch);
+      if (context_.side_test != nullptr) context_.side_test->reject_wrong_sides(state_, limits_, batch);
     });
     timed(seconds.commit, [&] {
       commit_collapses(state_, batch);
@@ -170,14 +187,14 @@ class Engine {
     report(Control::Stage::flip, 0.95);
     timed(context_.statistics->seconds.flip, [&] {
       const FlipSettings flips{limits_, context_.options->seed, coverage(),
-                               many_components() ? context_.input : nullptr};
+                               many_components() ? context_.input : nullptr, context_.side_test};
       flip_edges(state_, flips, context_.frame, *context_.device, *context_.band, context_.control, cycle.counts);
     });
   }
 
   void run_tightening(CycleStatistics& cycle) {
     TightenSettings tightening;
-    tightening.passes = tightening_passes(context_.options->quality);
+    tightening.passes = tightening_passes(*context_.options);
     const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
     const bool soon =
         finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
@@ -187,6 +204,7 @@ class Engine {
     tightening.float_positions = settings_.float_positions;
     tightening.seed = context_.options->seed;
     tightening.coverage = coverage();
+    report(Control::Stage::tighten, 0.97);
     timed(context_.statistics->seconds.tighten, [&] {
       cycle.counts.tightened += tighten(state_, tightening, *context_.input, context_.frame, *context_.device,
                                         *context_.band, context_.control);
@@ -195,9 +213,10 @@ class Engine {
 
   static void count(const PatchBatch& batch, Counts& counts) {
     counts.collapses += batch.count(Verdict::accepted);
-    counts.rejected_orientation += batch.count(Verdict::sweeps_inward);
+    counts.rejected_orientation += batch.count(Verdict::sweeps_inward) + batch.count(Verdict::turns_over);
     counts.rejected_degenerate += batch.count(Verdict::degenerate);
-    counts.rejected_tau += batch.count(Verdict::beyond_tau) + batch.count(Verdict::uncovers_input);
+    counts.rejected_tau +=
+        batch.count(Verdict::beyond_tau) + batch.count(Verdict::wrong_side) + batch.count(Verdict::uncovers_input);
     counts.rejected_cage += batch.count(Verdict::hits_cage) + batch.count(Verdict::hits_input);
     counts.rejected_conflict += batch.count(Verdict::conflict);
   }

@@ -8,9 +8,17 @@
 #include "parallel/arena.h"
 #include "parallel/cage_state.h"
 #include "parallel/distance_band.h"
+#include "parallel/side_test.h"
 #include "parallel/tighten.h"
 
 namespace prcage {
+
+// The band in shares of the thickness.
+struct BandShape {
+  Sides sides = Sides::outer;
+  double outer = 1;
+  double inner = 1;  // if there are two sides
+};
 
 struct EngineContext {
   const Options* options;
@@ -19,13 +27,17 @@ struct EngineContext {
   UnitFrame frame;
   const TreeDevice* device;
   DistanceBand* band;
-  const Obstacle* input;  // null: no tightening, and no component can be swept over
+  const Obstacle* input;  // null: no tightening, and none of its components can be swept over
   Coverage* coverage;     // null: the distance of the input to the cage is not bounded
   Control* control;       // may be null
   Statistics* statistics;
+  BandShape band_shape = {};
+  const SideTest* side_test = nullptr;     // where the two sides differ and every point is to keep to its own
+  std::size_t most_covered_faces = 20000;  // coverage begins when the cage has come down to so many faces
+  bool estimates = false;                  // only how far the thickness would have to grow is wanted
 };
 
-enum class EngineOutcome { schedule_finished, budget_reached, cancelled };
+enum class EngineOutcome { schedule_finished, budget_reached, stopped };
 
 // Runs inside an Arena. `state` holds a valid first cage with all vertices dirty.
 EngineOutcome run_engine(CageState& state, const EngineContext& context);

@@ -42,7 +42,7 @@ bool joined(const CornerTable& mesh, std::uint32_t u, std::uint32_t v) {
 }
 
 // How much the smallest angle would rise; not positive if the flip is not allowed.
-double flip_gain(const CornerTable& mesh, std::uint32_t h) {
+double flip_gain(const CornerTable& mesh, Sides sides, std::uint32_t h) {
   const std::uint32_t va = mesh.origin(h), vb = mesh.target(h), vc = mesh.apex(h), vd = mesh.apex(mesh.twin[h]);
   const Vec3 a = mesh.vec_at(va), b = mesh.vec_at(vb), c = mesh.vec_at(vc), d = mesh.vec_at(vd);
   const double before = std::min(min_angle(a, b, c), min_angle(b, a, d));
@@ -53,20 +53,20 @@ double flip_gain(const CornerTable& mesh, std::uint32_t h) {
   const double turn = std::min({new1.dot(old1), new1.dot(old2), new2.dot(old1), new2.dot(old2)});
   if (turn < smallest_normal_cosine) return 0;
   if (mesh.valence(va, 4) <= 3 || mesh.valence(vb, 4) <= 3 || joined(mesh, vc, vd)) return 0;
-  return exact::orient3d(a.data(), b.data(), c.data(), d.data()) >= 0 ? gain : 0;
+  return sides == Sides::both || exact::orient3d(a.data(), b.data(), c.data(), d.data()) >= 0 ? gain : 0;
 }
 
 // Flips worth trying, the largest gain with the lowest key. Blocked edges failed an exact test in this stage already.
 std::vector<Candidate> find_flips(const CornerTable& mesh, const std::vector<std::uint8_t>& blocked,
-                                  std::uint64_t seed) {
+                                  const FlipSettings& settings) {
   return parallel_gather<Candidate>(mesh.corner_vertex.size(), 1u << 12,
                                     [&](std::size_t begin, std::size_t end, auto& list) {
                                       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
                                         if (!represents_edge(mesh, h) || blocked[h]) continue;
-                                        const double gain = flip_gain(mesh, h);
+                                        const double gain = flip_gain(mesh, settings.limits.sides, h);
                                         if (gain <= 0) continue;
                                         const auto rank = static_cast<float>(std::numbers::pi - gain);
-                                        list.push_back({candidate_key(rank, h, seed), h});
+                                        list.push_back({candidate_key(rank, h, settings.seed), h});
                                       }
                                     });
 }
@@ -78,7 +78,8 @@ void test_flips_at_samples(const CageState& state, DistanceBand& band, double ta
     const std::size_t t = batch.first_face[i];
     const Triangle& v = batch.triangle[t];  // its first two corners are the new edge
     const Vec3 middle = 0.5 * (state.mesh.vec_at(v[0]) + state.mesh.vec_at(v[1]));
-    const double farthest = std::max({band.near(middle).distance, batch.near[t].distance, batch.near[t + 1].distance});
+    const double farthest =
+        std::max({band.near(middle).distance, std::abs(batch.near[t].distance), std::abs(batch.near[t + 1].distance)});
     if (farthest > tau) batch.verdict[i] = Verdict::beyond_tau;
   });
   band.absorb();
@@ -98,18 +99,20 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
                 DistanceBand& band, Control* control, Counts& counts) {
   std::vector<std::uint8_t> blocked(state.mesh.corner_vertex.size(), 0);
   for (int round = 0; round < max_rounds; ++round) {
-    if (control != nullptr && control->cancelled()) return;
+    if (control != nullptr && control->stopped()) return;
     const std::vector<Candidate> selected =
-        select_independent_flips(state.mesh, find_flips(state.mesh, blocked, settings.seed));
+        select_independent_flips(state.mesh, find_flips(state.mesh, blocked, settings));
     if (selected.empty()) return;
     PatchBatch batch = build_flips(state, frame, selected);
-    test_patches_locally(state, batch);
+    test_patches_locally(state, batch, settings.limits.sides);
     test_patches_against_band(state, band, settings.limits, batch);
     test_flips_at_samples(state, band, settings.limits.centroids, batch);
     if (settings.obstacle != nullptr) settings.obstacle->reject_sweeps(state, batch);
+    if (state.components > 1) reject_sweeps_of_components(state, device, batch);
     reject_hits_on_cage(state, device, batch);
     reject_conflicts(state, device, batch);
     if (settings.coverage != nullptr) settings.coverage->test(state, settings.limits.centroids, batch);
+    if (settings.side_test != nullptr) settings.side_test->reject_wrong_sides(state, settings.limits, batch);
     block_rejected(state.mesh, batch, blocked);
     commit_flips(state, batch);
     if (settings.coverage != nullptr) settings.coverage->commit(batch);

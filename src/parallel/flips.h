@@ -5,6 +5,7 @@
 #include "parallel/cage_state.h"
 #include "parallel/coverage.h"
 #include "parallel/obstacle.h"
+#include "parallel/side_test.h"
 
 namespace prcage {
 
@@ -13,6 +14,7 @@ struct FlipSettings {
   std::uint64_t seed = 0;
   Coverage* coverage = nullptr;        // if samples of the input are to stay within limits.centroids
   const Obstacle* obstacle = nullptr;  // if a flip might take in a component
+  const SideTest* side_test = nullptr;
 };
 
 // Flips until no flip is left, or the caller cancels. The cage is valid after every round.

@@ -222,7 +222,23 @@ TriangleDistance distance_from(const Mesh& surface, std::uint32_t face) {
   return {vec(surface.positions[t[0]]), vec(surface.positions[t[1]]), vec(surface.positions[t[2]])};
 }
 
-void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
+// Where a vertex could not but pass through another sheet, a face of it counts as in contact with the input.
+void add_blocked(const std::vector<std::uint8_t>& blocked, const CornerTable& mesh, FacePairs& contacts) {
+  for (std::size_t v = 0; v < blocked.size(); ++v) {
+    if (blocked[v] == 0) continue;
+    const std::uint32_t f = mesh.vertex_halfedge[v] / 3;
+    ++contacts.count;
+    contacts.pairs.push_back({f, f});
+  }
+}
+
+void keep_examples(FacePairs& pairs) {
+  if (pairs.pairs.size() > examples) pairs.pairs.resize(examples);
+}
+
+}  // namespace
+
+void describe_faces(const Mesh& surface, const UnitFrame& frame, CageState& state) {
   const CornerTable& mesh = state.mesh;
   const std::size_t faces = mesh.face_slots();
   state.live_faces = faces;
@@ -243,22 +259,6 @@ void fill_state(const Mesh& surface, const UnitFrame& frame, CageState& state) {
     state.face_normal[f] = reliable_normal(mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2]));
   });
 }
-
-// Where a vertex could not but pass through another sheet, a face of it counts as in contact with the input.
-void add_blocked(const std::vector<std::uint8_t>& blocked, const CornerTable& mesh, FacePairs& contacts) {
-  for (std::size_t v = 0; v < blocked.size(); ++v) {
-    if (blocked[v] == 0) continue;
-    const std::uint32_t f = mesh.vertex_halfedge[v] / 3;
-    ++contacts.count;
-    contacts.pairs.push_back({f, f});
-  }
-}
-
-void keep_examples(FacePairs& pairs) {
-  if (pairs.pairs.size() > examples) pairs.pairs.resize(examples);
-}
-
-}  // namespace
 
 InitialCage displace(const Mesh& surface, const SurfaceTree& input, const DisplacementSettings& settings,
                      const TreeDevice& device) {
@@ -288,7 +288,7 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   result.contacts = std::move(conflicts.input);
   keep_examples(result.self_intersections);
   keep_examples(result.contacts);
-  fill_state(surface, input.frame(), result.state);
+  describe_faces(surface, input.frame(), result.state);
   return result;
 }
 

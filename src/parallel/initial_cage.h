@@ -29,6 +29,10 @@ struct InitialCage {
   FacePairs contacts;            // face of the cage, face of the input
 };
 
+// What is known of the faces of a cage whose first faces are those of the surface: fills in all that `state` has beside
+// the mesh. All vertices are dirty.
+void describe_faces(const Mesh& surface, const UnitFrame& frame, CageState& state);
+
 // `surface` is the input without degenerate faces; `input` the tree over the input that must not be touched. Runs
 // inside an Arena.
 InitialCage displace(const Mesh& surface, const SurfaceTree& input, const DisplacementSettings& settings,

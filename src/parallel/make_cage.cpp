@@ -1,20 +1,23 @@
-// The pipeline behind make_cage(): validate, displace, run the engine, certify from scratch.
-#include <sys/resource.h>
-
+// The pipeline behind make_cage(): validate, displace, run the engine, certify from scratch. Nested levels run all but
+// the first of it again and again: what is displaced, and must not be touched, is then the level before, while
+// thicknesses are those around the input.
 #include <algorithm>
-#include <exception>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
 #include <memory>
-#include <new>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "core/mesh_view.h"
 #include "core/schedule.h"
-#include "core/simd.h"
-#include "parallel/arena.h"
 #include "parallel/certify.h"
 #include "parallel/engine.h"
 #include "parallel/initial_cage.h"
+#include "parallel/parallel_for.h"
+#include "parallel/run_safely.h"
 #include "parallel/soup.h"
 #include "parallel/stopwatch.h"
 #include "parallel/validate.h"
@@ -30,12 +33,15 @@ constexpr double longest_radius = 100;
 constexpr std::size_t most_samples = 40000;
 // Of the first cycle's tau, for each of the two, so that C_0 lies within it.
 constexpr double largest_share_of_tau = 0.5;
-
-std::uint64_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
+// By how much an estimate of the thickness that a face budget needs is raised: the way there went on in finer steps
+// than a run takes.
+constexpr double estimate_margin = 1.2;
+// So often another level is made where the next one cannot be moved off it, and another step of the move is tried.
+constexpr int most_attempts = 6;
+constexpr int most_steps = 3;
+constexpr double step_ratio = 32;
+// Of the room between a level and the next, for each of the two; what is left is for rounding.
+constexpr double largest_share_of_gap = 0.49;
 
 void report(Control* control, Control::Stage stage, std::size_t faces, double progress) {
   if (control != nullptr) control->report(stage, 0, faces, progress);
@@ -56,27 +62,71 @@ std::string displacement_message(const InitialCage& cage, const Mesh& surface) {
   return text.str();
 }
 
+// The smallest number of two digits that is not below x > 0.
+double round_up(double x) {
+  const double unit = std::pow(10, std::floor(std::log10(x)) - 1);
+  return std::ceil(x / unit) * unit;
+}
+
+// The live faces, in the order that they have in the mesh of the cage: what is proved of the distance of their points
+// to the input.
+std::vector<float> live_reach(const CageState& state) {
+  std::vector<float> reach;
+  for (std::uint32_t f = 0; f < state.mesh.face_slots(); ++f)
+    if (state.mesh.face_alive(f)) reach.push_back(state.face_reach[f]);
+  return reach;
+}
+
+// The first cage of a level is made from the level before: its first faces are those of that level, whose `reach` is
+// known, moved by up to `gap`; the others are caps. What the engine knows of faces are distances to the input. Large
+// faces would be slow to prove near it, time and again.
+void measure_to_input(CageState& state, const DistanceBand& band, const std::vector<float>& reach, double gap) {
+  const float farthest = *std::max_element(reach.begin(), reach.end());
+  const CornerTable& mesh = state.mesh;
+  parallel_each(mesh.face_slots(), 64, [&](std::size_t f) {
+    const std::uint32_t* v = &mesh.corner_vertex[3 * f];
+    const std::array<Vec3, 3> corners{mesh.vec_at(v[0]), mesh.vec_at(v[1]), mesh.vec_at(v[2])};
+    const DistanceBand::Near near = band.nearest((corners[0] + corners[1] + corners[2]) / 3);
+    state.face_near[f] = near.face;
+    state.face_distance[f] = round_distance_up(near.distance);
+    const double inherited = (f < reach.size() ? reach[f] : farthest) + gap;
+    const double measured = std::sqrt(band.distance_from(near.face).largest_squared(corners));
+    state.face_reach[f] = round_distance_up(std::min(inherited, measured));
+  });
+}
+
+// A level that is made, and what the next one begins with.
+struct LevelBefore {
+  explicit LevelBefore(CheckedMesh mesh) : checked(std::move(mesh)) {}
+
+  CheckedMesh checked;
+  Result result;
+  std::vector<float> reach;    // of each face: bounds the distance of its points to the input
+  std::size_t first_step = 0;  // of the thicknesses, for the next level
+  double gap = 0;              // how far the next level moves off at first, at most
+  InitialCage next;            // its first cage
+};
+
 class Pipeline {
  public:
   Pipeline(const MeshView& input, const Options& options, Control* control, Result& result)
       : input_(input), options_(options), control_(control), result_(result) {}
 
-  // The input is a wrap of the triangles, which then are what is certified to be enclosed.
-  void run_around(const MeshView& triangles) {
-    {
-      const Stopwatch watch(seconds().validate);
-      Mesh faces;
-      const std::string error = usable_faces(to_mesh(triangles), faces, result_.statistics.dropped);
-      if (!error.empty()) {
-        fail(Status::invalid_input, error);
-        return;
-      }
-      soup_ = std::make_unique<Soup>(make_soup(std::move(faces), device_));
+  // The input is a wrap of the triangles, which then are what is certified to be enclosed. False if there are none.
+  bool take_triangles(const MeshView& triangles) {
+    const Stopwatch watch(seconds().validate);
+    Mesh faces;
+    const std::string error = usable_faces(to_mesh(triangles), faces, result_.statistics.dropped);
+    if (!error.empty()) {
+      fail(Status::invalid_input, error);
+      return false;
     }
-    run();
+    soup_ = std::make_unique<Soup>(make_soup(std::move(faces), device_));
+    return true;
   }
 
-  void run() {
+  // False if no cage is to be made of the input.
+  bool check_input() {
     report(control_, Control::Stage::validate, input_.triangle_count, 0);
     {
       const Stopwatch watch(seconds().validate);
@@ -87,24 +137,148 @@ class Pipeline {
     if (!checked_->validation.valid()) {
       fail(Status::invalid_input,
            std::string(soup_ ? "the wrap" : "the input") + " is not a legal mesh: see the defects");
-      return;
+      return false;
     }
-    InitialCage first = displaced();
+    if (stopped() && !control_->cancelled()) {
+      stop(" before there was a cage");
+      return false;
+    }
+    return true;
+  }
+
+  void make() {
+    InitialCage first = before_ ? before_->next : displaced_input();
+    record(first);
     if (!first.valid) {
-      fail(Status::displacement_failed, displacement_message(first, valid().surface.mesh));
+      fail(Status::displacement_failed, displacement_message(first, inner().surface.mesh));
       return;
     }
     collapse(first.state);
     finish(first.state);
   }
 
+  // Each level around the one before. All but the last result are moved to `levels`.
+  void make_levels(const std::vector<std::size_t>& face_budgets, std::vector<Result>& levels) {
+    const std::vector<double> steps = thickness_;
+    for (std::size_t i = 0;; ++i) {
+      set_level(i, face_budgets, steps);
+      std::unique_ptr<LevelBefore> made = make_level(i + 1 == face_budgets.size(), steps, levels);
+      if (!made) return;
+      keep_level(std::move(made), levels);
+      if (stopped()) return stop(" before the level was begun");
+    }
+  }
+
  private:
   StageSeconds& seconds() { return result_.statistics.seconds; }
   const ValidSurface& valid() const { return checked_->valid; }
+  // What the cage must enclose: the input, or the level before.
+  const CheckedMesh& enclosed_mesh() const { return before_ ? before_->checked : *checked_; }
+  const ValidSurface& inner() const { return enclosed_mesh().valid; }
 
   void fail(Status status, std::string message) {
     result_.status = status;
     result_.message = std::move(message);
+  }
+
+  bool stopped() const { return control_ != nullptr && control_->stopped(); }
+
+  void stop(const std::string& where) {
+    if (control_->cancelled())
+      fail(Status::cancelled, "cancelled" + where);
+    else
+      fail(Status::deadline_reached, "the deadline has passed" + where);
+  }
+
+  // Where the thickness is found, a level does not try smaller ones than a cage of its own.
+  void pass_over_small_steps(const std::vector<double>& steps) {
+    if (!finds_thickness(options_)) return;
+    const double least = thickness_steps(options_, result_.statistics.diagonal, result_.validation.area).front();
+    while (first_step_ + 1 < steps.size() && steps[first_step_] < least) ++first_step_;
+  }
+
+  void set_level(std::size_t i, const std::vector<std::size_t>& face_budgets, const std::vector<double>& steps) {
+    options_.face_budget = face_budgets[i];
+    share_ = level_share(i, face_budgets.size());
+    pass_over_small_steps(steps);
+    thickness_.clear();
+    for (std::size_t k = first_step_; k < steps.size(); ++k) thickness_.push_back(share_ * steps[k]);
+    result_.statistics.tau = thickness_.back();
+    if (control_ != nullptr) control_->begin_level(static_cast<int>(i) + 1, static_cast<int>(face_budgets.size()));
+  }
+
+  // Makes a level, and the first cage around it. Where there is none, vertices too singular or sheets too close,
+  // another order of equal edges leads to another level. Null if the sequence ends here.
+  std::unique_ptr<LevelBefore> make_level(bool last, const std::vector<double>& steps,
+                                          const std::vector<Result>& levels) {
+    const std::uint64_t seed = options_.seed;
+    const Result blank = result_;
+    std::unique_ptr<LevelBefore> made;
+    for (int attempt = 0; attempt < most_attempts && !(made && (made->next.valid || stopped())); ++attempt) {
+      options_.seed = seed + static_cast<std::uint64_t>(attempt);
+      result_ = blank;
+      make();
+      if (!levels.empty()) drop_if_useless(levels.back());
+      const bool ends = last || !result_.has_cage() || outcome_ == EngineOutcome::stopped;
+      if (ends && made) continue;
+      if (ends) return nullptr;
+      made = level_to_leave(steps);
+    }
+    options_.seed = seed;
+    return made;
+  }
+
+  // The present result as the level before, and the first cage around it, for which a share of the thickness is room.
+  std::unique_ptr<LevelBefore> level_to_leave(const std::vector<double>& steps) {
+    auto level = std::make_unique<LevelBefore>(validate_mesh(result_.cage, device_));
+    level->result = result_;
+    level->reach = reach_;
+    const std::size_t cycles = result_.statistics.cycles.size();
+    level->first_step = first_step_ + (cycles > 0 ? cycles - 1 : 0);
+    level->gap = level_gap * steps[level->first_step];
+    DisplacementSettings settings;
+    settings.longest_move = settings.longest_radius = largest_share_of_gap * level->gap;
+    // Many vertices of a level stay where they are put now.
+    settings.float_positions = options_.precision == Precision::float32;
+    settings.step = std::min(options_.sigma * result_.statistics.diagonal, settings.longest_radius / longest_radius);
+    for (int i = 0; i < most_steps && !level->next.valid && !stopped(); ++i, settings.step /= step_ratio)
+      level->next = displace(level->checked.valid.surface.mesh, level->checked.valid.tree, settings, device_);
+    return level;
+  }
+
+  void keep_level(std::unique_ptr<LevelBefore> level, std::vector<Result>& levels) {
+    before_ = std::move(level);
+    first_step_ = before_->first_step;
+    const Result& result = before_->result;
+    Result next;
+    next.validation = result.validation;
+    const Statistics& s = result.statistics;
+    Statistics& t = next.statistics;
+    t.input_vertices = s.input_vertices;
+    t.input_faces = s.input_faces;
+    t.dropped = s.dropped;
+    t.diagonal = s.diagonal;
+    t.threads = s.threads;
+    t.simd = s.simd;
+    result_ = std::move(next);
+    levels.push_back(std::move(before_->result));
+    const auto now = std::chrono::steady_clock::now();
+    levels.back().statistics.seconds.total = std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+    levels.back().statistics.peak_memory_bytes = peak_memory_bytes();
+  }
+
+  // A level that was stopped, or that its thickness does not allow, may not have come anywhere.
+  void drop_if_useless(const Result& before) {
+    if (result_.status == Status::ok || !result_.has_cage()) return;
+    if (result_.cage.triangles.size() < before.cage.triangles.size()) return;
+    result_.cage = {};
+    result_.certificate = {};
+    result_.around_previous.reset();
+    result_.statistics.cage_vertices = result_.statistics.cage_faces = 0;
+    if (outcome_ == EngineOutcome::stopped)
+      stop(" before the level had fewer faces than the one before");
+    else
+      result_.message = "no fewer faces than the level before has are possible";
   }
 
   void describe_input() {
@@ -114,39 +288,76 @@ class Pipeline {
     s.tau = thickness_.back();
   }
 
-  InitialCage displaced() {
+  InitialCage displaced_input() {
     report(control_, Control::Stage::displace, valid().surface.mesh.triangles.size(), 0.03);
     const Stopwatch watch(seconds().displace);
-    Statistics& s = result_.statistics;
     DisplacementSettings settings;
-    settings.step = options_.sigma * s.diagonal;
+    settings.step = options_.sigma * result_.statistics.diagonal;
     const double share_of_tau = largest_share_of_tau * thickness_.front();
     settings.longest_move = std::min(longest_move * settings.step, share_of_tau);
     settings.longest_radius = std::min(longest_radius * settings.step, share_of_tau);
-    InitialCage first = displace(valid().surface.mesh, valid().tree, settings, device_);
+    return displace(valid().surface.mesh, valid().tree, settings, device_);
+  }
+
+  void record(const InitialCage& first) {
+    Statistics& s = result_.statistics;
     s.singular_vertices = first.singular_vertices;
     s.capped_vertices = first.capped_vertices;
     s.halved_vertices = first.halved_vertices;
+    if (first.step.empty()) return;
     const auto [low, high] = std::minmax_element(first.step.begin(), first.step.end());
     s.sigma_min = *low;
     s.sigma_max = *high;
-    return first;
   }
 
   void collapse(CageState& state) {
     const Mesh& surface = valid().surface.mesh;
     DistanceBand band(surface.positions, surface.triangles, valid().tree.frame(), valid().tree.tree());
     Statistics& s = result_.statistics;
-    const Obstacle obstacle(valid().tree, valid().components, device_);
+    const Obstacle obstacle(inner().tree, inner().components, device_);
     std::optional<Coverage> coverage;
     if (options_.bound == Bound::both) coverage.emplace(surface.positions, most_samples);
-    const EngineContext context{&options_, s.diagonal, thickness_, valid().tree.frame(),
+    const EngineContext context{&options_, s.diagonal, thickness_, inner().tree.frame(),
                                 &device_,  &band,      &obstacle,  coverage ? &*coverage : nullptr,
                                 control_,  &s};
+    if (before_) measure_to_input(state, band, before_->reach, before_->gap + float_rounding(state.mesh));
     outcome_ = run_engine(state, context);
     if (finds_thickness(options_)) s.tau = s.cycles.empty() ? thickness_.front() : s.cycles.back().tau;
     for (CycleStatistics& cycle : s.cycles) cycle.beta = cycle.tau / s.tau;
+    if (outcome_ == EngineOutcome::schedule_finished && options_.face_budget != 0 && !finds_thickness(options_))
+      estimate_needed_tau(state, context);
+    reach_ = live_reach(state);
     s.band_voxels = band.voxels_filled();
+  }
+
+  // How far it moves a vertex at most if the level before and the first cage of this one are rounded to floats.
+  double float_rounding(const CornerTable& mesh) const {
+    if (options_.precision != Precision::float32) return 0;
+    double largest = 0;
+    for (const Position& p : mesh.position)
+      for (const double x : p) largest = std::max(largest, std::abs(x));
+    return 2 * largest * static_cast<double>(std::numeric_limits<float>::epsilon());
+  }
+
+  // A copy of the cage goes on with growing thickness.
+  void estimate_needed_tau(CageState state, EngineContext context) {
+    const Stopwatch watch(seconds().estimate);
+    Options options = options_;
+    options.tau = options.tau_absolute = 0;  // every cycle has its own thickness
+    options.quality = Quality::fast;         // nothing is to come back
+    Statistics unused;
+    context.options = &options;
+    context.statistics = &unused;
+    context.thickness =
+        wider_steps(thickness_.back(), options_.face_budget, result_.statistics.diagonal, result_.validation.area);
+    context.estimates = true;
+    no_tau_helps_ = false;
+    if (context.thickness.empty()) return;
+    const EngineOutcome outcome = run_engine(state, context);
+    no_tau_helps_ = outcome == EngineOutcome::schedule_finished;
+    if (outcome != EngineOutcome::budget_reached) return;
+    const double unit = options_.tau_absolute > 0 ? 1 : result_.statistics.diagonal;
+    result_.statistics.needed_tau = round_up(estimate_margin * unused.cycles.back().tau / share_ / unit) * unit;
   }
 
   void finish(const CageState& state) {
@@ -164,8 +375,9 @@ class Pipeline {
       const Validation& v = result_.validation;
       const Enclosed input = soup_ ? enclosed(*soup_, v.components, v.euler_characteristic) : enclosed(*checked_);
       result_.certificate = certify_cage(device_, input, cage);
+      if (before_) result_.around_previous = certify_cage(device_, enclosed(before_->checked), cage);
     }
-    if (!result_.certificate.valid()) {
+    if (!result_.certificate.valid() || (before_ && !result_.around_previous->valid())) {
       fail(Status::certificate_failed,
            as_floats ? "the cage does not survive the rounding of its coordinates to floats; store it in a format that "
                        "holds doubles"
@@ -179,15 +391,12 @@ class Pipeline {
 
   void conclude() {
     switch (outcome_) {
-      case EngineOutcome::cancelled:
-        fail(Status::cancelled, "cancelled; the cage is valid but not finished");
+      case EngineOutcome::stopped:
+        stop("; the cage is valid but not finished");
         break;
       case EngineOutcome::schedule_finished:
         if (options_.face_budget != 0) {
-          fail(Status::face_budget_not_reached,
-               (finds_thickness(options_) ? "no thickness allows fewer than " : "tau allows no fewer than ") +
-                   std::to_string(result_.statistics.cage_faces) +
-                   (finds_thickness(options_) ? " faces" : " faces; a larger tau allows fewer, or none given at all"));
+          fail(Status::face_budget_not_reached, missed_budget_message());
           break;
         }
         [[fallthrough]];
@@ -196,56 +405,88 @@ class Pipeline {
     }
   }
 
+  std::string missed_budget_message() const {
+    const Statistics& s = result_.statistics;
+    std::ostringstream text;
+    text << (finds_thickness(options_) ? "no thickness allows fewer than " : "tau allows no fewer than ")
+         << s.cage_faces << " faces";
+    const bool absolute = options_.tau_absolute > 0;
+    if (s.needed_tau > 0) {
+      text << "; about " << (absolute ? s.needed_tau : s.needed_tau / s.diagonal)
+           << (absolute ? " in the unit of the input" : "") << " would allow " << options_.face_budget
+           << " (an upper estimate)";
+    } else if (no_tau_helps_) {
+      text << ", and no larger one that was tried allows " << options_.face_budget;
+    }
+    return text.str();
+  }
+
   const MeshView& input_;
-  const Options& options_;
+  Options options_;
   Control* control_;
   Result& result_;
   TreeDevice device_;
   std::vector<double> thickness_;  // of each cycle
   std::unique_ptr<CheckedMesh> checked_;
-  std::unique_ptr<Soup> soup_;  // null: the input itself is enclosed
+  std::unique_ptr<Soup> soup_;           // null: the input itself is enclosed
+  std::unique_ptr<LevelBefore> before_;  // null: the first level
+  std::vector<float> reach_;             // of each face of the cage: bounds the distance of its points to the input
+  double share_ = 1;                     // of every thickness, for this level
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::size_t first_step_ = 0;  // of the thicknesses: where this level begins
   EngineOutcome outcome_ = EngineOutcome::schedule_finished;
+  bool no_tau_helps_ = false;  // to reach the face budget
 };
 
-// Everything but the pipeline itself: the options, the arena, what may be thrown.
 template <class RunPipeline>
-Result run_safely(const MeshView& input, const Options& options, const RunPipeline& run_pipeline) {
-  Result result;
-  Statistics& s = result.statistics;
-  s.input_vertices = input.vertex_count;
-  s.input_faces = input.triangle_count;
-  s.simd = name_of(simd_level());
-  if (const std::string error = options_error(options); !error.empty()) {
-    result.status = Status::invalid_options;
-    result.message = error;
-    return result;
+std::vector<Result> run_levels_safely(const MeshView& input, const std::vector<std::size_t>& face_budgets,
+                                      Options options, const RunPipeline& run_pipeline) {
+  if (const std::string error = levels_error(face_budgets); !error.empty()) {
+    Result refused;
+    refused.status = Status::invalid_options;
+    refused.message = error;
+    return {refused};
   }
-  {
-    const Stopwatch watch(s.seconds.total);
-    try {
-      Arena arena(options.threads);
-      s.threads = arena.threads();
-      arena.run([&] { run_pipeline(result); });
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& e) {
-      result = Result{};
-      result.message = e.what();
-    }
-  }
-  result.statistics.peak_memory_bytes = peak_memory_bytes();
-  return result;
+  options.face_budget = face_budgets.front();
+  std::vector<Result> levels;
+  Result last = run_safely<Result>(input, options_error(options), options.threads,
+                                   [&](Result& result) { run_pipeline(options, result, levels); });
+  for (const Result& level : levels) last.statistics.seconds.total -= level.statistics.seconds.total;
+  levels.push_back(std::move(last));
+  return levels;
 }
 
 }  // namespace
 
 Result make_cage(const MeshView& input, const Options& options, Control* control) {
-  return run_safely(input, options, [&](Result& result) { Pipeline(input, options, control, result).run(); });
+  return run_safely<Result>(input, options_error(options), options.threads, [&](Result& result) {
+    Pipeline pipeline(input, options, control, result);
+    if (pipeline.check_input()) pipeline.make();
+  });
 }
 
 Result make_cage_around(const MeshView& input, const MeshView& wrap, const Options& options, Control* control) {
-  return run_safely(input, options,
-                    [&](Result& result) { Pipeline(wrap, options, control, result).run_around(input); });
+  return run_safely<Result>(input, options_error(options), options.threads, [&](Result& result) {
+    Pipeline pipeline(wrap, options, control, result);
+    if (pipeline.take_triangles(input) && pipeline.check_input()) pipeline.make();
+  });
+}
+
+std::vector<Result> make_cages(const MeshView& input, const std::vector<std::size_t>& face_budgets,
+                               const Options& options, Control* control) {
+  return run_levels_safely(input, face_budgets, options, [&](const Options& first, Result& result, auto& levels) {
+    Pipeline pipeline(input, first, control, result);
+    if (pipeline.check_input()) pipeline.make_levels(face_budgets, levels);
+  });
+}
+
+std::vector<Result> make_cages_around(const MeshView& input, const MeshView& wrap,
+                                      const std::vector<std::size_t>& face_budgets, const Options& options,
+                                      Control* control) {
+  return run_levels_safely(input, face_budgets, options, [&](const Options& first, Result& result, auto& levels) {
+    Pipeline pipeline(wrap, first, control, result);
+    if (pipeline.take_triangles(input) && pipeline.check_input()) pipeline.make_levels(face_budgets, levels);
+  });
 }
 
 }  // namespace prcage

@@ -81,4 +81,40 @@ void Obstacle::reject_hits(const CageState& state, PatchBatch& batch) const {
   });
 }
 
+namespace {
+
+struct MovingComponents {
+  std::vector<Box> box;
+  std::vector<std::uint32_t> vertex;  // one of each
+};
+
+MovingComponents components_of(const CageState& state) {
+  const CornerTable& mesh = state.mesh;
+  MovingComponents components{std::vector<Box>(state.components), std::vector<std::uint32_t>(state.components, none)};
+  for (std::uint32_t f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_alive(f)) continue;
+    const std::uint32_t v = mesh.origin(3 * f), c = state.vertex_component[v];
+    components.box[c].unite(state.face_box[f]);
+    components.vertex[c] = v;
+  }
+  return components;
+}
+
+}  // namespace
+
+void reject_sweeps_of_components(const CageState& state, const TreeDevice& device, PatchBatch& batch) {
+  const MovingComponents components = components_of(state);
+  BoxTree component_tree(device);
+  component_tree.build(components.box, TreeQuality::fast_build);
+  const auto swept = patch_boxes(state, batch, [&](std::size_t i) { return batch.alive(i); });
+  BoxTree patches(device);
+  patches.build(swept, TreeQuality::fast_build);
+  join(patches, component_tree, [&](std::uint32_t patch, std::uint32_t c) {
+    const std::uint32_t own = state.vertex_component[state.mesh.origin(batch.candidate[patch].halfedge)];
+    if (c != own && contains(swept[patch], components.box[c]) && alive(batch, patch) &&
+        sweeps_over(state, batch, patch, state.mesh.vec_at(components.vertex[c])))
+      reject(batch, patch);
+  });
+}
+
 }  // namespace prcage

@@ -32,4 +32,10 @@ class Obstacle {
   BoxTree component_tree_;
 };
 
+// The same where the components of the surface itself are in each other's way and all of them move: rejects patches
+// that sweep over a whole component as it is now. Those of the same round cannot interfere: no patch moves a whole
+// component, and what it leaves of one is on the side of another patch on which all of it is, since nothing of it
+// touches that.
+void reject_sweeps_of_components(const CageState& state, const TreeDevice& device, PatchBatch& batch);
+
 }  // namespace prcage

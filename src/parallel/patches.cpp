@@ -15,6 +15,10 @@ namespace {
 constexpr std::size_t patch_grain = 16;
 // Share of tau below which a distance is near enough to the true one: eq. 4 loses at most this share of its room.
 constexpr double near_enough = 0.25;
+// Share of tau below which the gap between a patch and what it replaces need not be known better.
+constexpr double small_gap = 0.02;
+// Of sums of three products, relative to the products.
+constexpr double height_rounding = 2e-15;
 
 // Offsets of consecutive runs of the given lengths, one more than there are runs.
 template <class Length>
@@ -113,30 +117,90 @@ bool sweeps_outward(const CornerTable& mesh, const PatchBatch& batch, std::size_
   });
 }
 
-// The mean normal of the new faces, if these and the removed ones face it and the new ones wind round the moved vertex
-// once; else zero.
-Vec3 common_direction(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+Vec3 unit_or_zero(const Vec3& v) {
+  const double length = v.norm();
+  return length > 0 ? Vec3(v / length) : Vec3::Zero();
+}
+
+// The mean normal of the new faces; up to rounding that of the removed ones, too, since both have the same rim.
+Vec3 mean_normal(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
   Vec3 n = Vec3::Zero();
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
     const TriangleRef p = patch_triangle(mesh, batch, t);
     n += (corner(p, 1) - corner(p, 0)).cross(corner(p, 2) - corner(p, 0));
   }
-  const double length = n.norm();
-  if (!(length > 0)) return Vec3::Zero();
-  n /= length;
-  Winds winds(n, batch.point[i].data());
+  return unit_or_zero(n);
+}
+
+// Is it certain that the new faces face n and wind round the moved vertex once, as `winds` is about to count?
+bool new_faces_face(const CornerTable& mesh, const PatchBatch& batch, std::size_t i, const Vec3& n, Winds winds) {
+  if (n.isZero(0)) return false;
+
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
     const TriangleRef p = patch_triangle(mesh, batch, t);
-    if (!certainly_faces(n, p.p[0], p.p[1], p.p[2])) return Vec3::Zero();
+    if (!certainly_faces(n, p.p[0], p.p[1], p.p[2])) return false;
     for (int k = 0; k < 3; ++k)
       if (p.v[k] == batch.moved[i]) winds.add(p.p[(k + 1) % 3], p.p[(k + 2) % 3]);
   }
-  if (!batch.is_flip(i) && !winds.certainly_once()) return Vec3::Zero();
-  for (const std::uint32_t f : batch.removed_faces(i)) {
+  return batch.is_flip(i) || winds.certainly_once();
+}
+
+bool removed_faces_face(const CornerTable& mesh, const PatchBatch& batch, std::size_t i, const Vec3& n) {
+  const auto faces = batch.removed_faces(i);
+  return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
     const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
-    if (!certainly_faces(n, mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]))) return Vec3::Zero();
+    return certainly_faces(n, mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
+  });
+}
+
+// A direction that all new and all removed faces are likely to face, if there is one: the mean of their normals, turned
+// towards the one that looks away most until none does.
+Vec3 likely_direction(const CageState& state, const PatchBatch& batch, std::size_t i) {
+  constexpr int most_turns = 32;
+  constexpr double least_cosine = 1e-3;
+  std::vector<Vec3> normals;
+  const auto add = [&](const Normal& n) {
+    if (n != Normal{}) normals.emplace_back(n[0], n[1], n[2]);
+  };
+  for (const Normal& n : batch.normals(i)) add(n);
+  for (const std::uint32_t f : batch.removed_faces(i)) add(state.face_normal[f]);
+  Vec3 n = Vec3::Zero();
+  for (const Vec3& normal : normals) n += normal / static_cast<double>(normals.size());
+  for (int turn = 0; turn < most_turns && !normals.empty(); ++turn) {
+    const auto away = std::min_element(normals.begin(), normals.end(),
+                                       [&](const Vec3& a, const Vec3& b) { return n.dot(a) < n.dot(b); });
+    if (n.dot(*away) > least_cosine * n.norm()) break;
+    n += *away;
   }
-  return n;
+  return unit_or_zero(n);
+}
+
+// The mean normal of the new faces if these and the removed ones face it; else zero.
+Vec3 common_direction(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+  const Vec3 n = mean_normal(mesh, batch, i);
+  const Winds winds(n, batch.point[i].data());
+  return new_faces_face(mesh, batch, i, n, winds) && removed_faces_face(mesh, batch, i, n) ? n : Vec3::Zero();
+}
+
+// False if the patch turns faces over, see test_patches_locally(). Sets the direction that all faces face, if any.
+bool keeps_faces_up(const CageState& state, PatchBatch& batch, std::size_t i) {
+  const CornerTable& mesh = state.mesh;
+  const auto graph_along = [&](const Vec3& n) {
+    const Vec3 odd(0.3141, 0.5926, -0.7422);
+    return new_faces_face(mesh, batch, i, n, Winds(n, odd, batch.point[i].data()));
+  };
+  const Vec3 mean = mean_normal(mesh, batch, i);
+  const bool faces_mean = graph_along(mean);
+  if (faces_mean && removed_faces_face(mesh, batch, i, mean)) {
+    batch.direction[i] = mean;
+    return true;
+  }
+  const Vec3 other = likely_direction(state, batch, i);
+  if (removed_faces_face(mesh, batch, i, other) && graph_along(other)) {
+    batch.direction[i] = other;
+    return true;
+  }
+  return faces_mean;
 }
 
 bool proper_patch(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
@@ -158,9 +222,30 @@ DistanceBand::Near near_with_hint(const DistanceBand& band, const Vec3& x, std::
   return known.distance <= near_enough * tau ? known : band.nearest(x, hint);
 }
 
-// Upper bound of the distance of a point of the patch to the faces that it replaces; infinity if unknown.
-double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+// How much the heights of the new and of the removed faces differ along the direction of the patch: both are graphs
+// over the same polygon, so nowhere can one be farther from the other.
+double height_range(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+  const Vec3& n = batch.direction[i];
+  const Vec3 origin = mesh.vec_at(mesh.origin(batch.candidate[i].halfedge));
+  double low = 0, high = 0, widest = 0;
+  const auto add = [&](const Vec3& p) {
+    const Vec3 d = p - origin;
+    const double height = n.dot(d);
+    low = std::min(low, height);
+    high = std::max(high, height);
+    widest = std::max(widest, std::abs(d.x()) + std::abs(d.y()) + std::abs(d.z()));
+  };
+  for (const std::uint32_t f : batch.removed_faces(i))
+    for (std::size_t k = 0; k < 3; ++k) add(mesh.vec_at(mesh.corner_vertex[3 * std::size_t{f} + k]));
+  if (!batch.is_flip(i)) add(vec(batch.point[i]));
+  return high - low + height_rounding * widest;
+}
+
+// Upper bound of the distance of a point of the patch to the faces that it replaces; infinity if unknown. Not the least
+// one if it is at most `enough`.
+double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::size_t i, double enough) {
   if (batch.direction[i].isZero(0)) return std::numeric_limits<double>::infinity();
+  if (const double range = height_range(mesh, batch, i); range <= enough) return range;
   const std::uint32_t h = batch.candidate[i].halfedge;
   const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
   const bool flip = batch.is_flip(i), move = batch.is_move(i);
@@ -192,10 +277,10 @@ double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::siz
 }
 
 // Upper bound for all new faces of a patch, by what is known of the old ones.
-double inherited_reach(const CageState& state, const PatchBatch& batch, std::size_t i) {
+double inherited_reach(const CageState& state, const BandLimits& limits, const PatchBatch& batch, std::size_t i) {
   float reach = 0;
   for (const std::uint32_t f : batch.removed_faces(i)) reach = std::max(reach, state.face_reach[f]);
-  return reach + gap_to_removed(state.mesh, batch, i);
+  return reach + gap_to_removed(state.mesh, batch, i, small_gap * limits.centroids);
 }
 
 // Measures new face t: which input face is near its centroid, and how far is it from the input at most?
@@ -212,6 +297,16 @@ void measure_face(const CageState& state, DistanceBand& band, const BandLimits& 
   batch.near[t] = {near.face, std::min(near.distance, reach)};
 }
 
+// Distances of centroids as a band on both sides wants them: of a face near by, and on the side of its plane.
+void sign_distance(const CageState& state, const DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
+                   std::size_t t) {
+  const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
+  const Vec3 centroid = (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3;
+  DistanceBand::Near& near = batch.near[t];
+  near = near_with_hint(band, centroid, near.face, limits.centroids);
+  if (band.behind_face(centroid, near.face)) near.distance = -near.distance;
+}
+
 // Is the vertex that moves out of reach for certain? Spares the measuring of faces that cannot be within it.
 bool moves_too_far(const CageState& state, const DistanceBand& band, const BandLimits& limits, const PatchBatch& batch,
                    std::size_t i) {
@@ -223,7 +318,7 @@ bool moves_too_far(const CageState& state, const DistanceBand& band, const BandL
 // Fills in `near` and `reach` of a patch; false if it is not proved to be within reach.
 bool measure_patch(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
                    std::size_t i) {
-  const double reach = inherited_reach(state, batch, i);
+  const double reach = inherited_reach(state, limits, batch, i);
   if (reach > limits.reach && moves_too_far(state, band, limits, batch, i)) return false;
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
     batch.reach[t] = reach;
@@ -232,6 +327,7 @@ bool measure_patch(const CageState& state, DistanceBand& band, const BandLimits&
     if (batch.reach[t] > limits.reach) return false;
     // The constraints of a collapse keep centroids within the thickness of the cycle; nothing else does so for moves.
     if (batch.is_move(i) && batch.near[t].distance > limits.centroids) return false;
+    if (limits.sides == Sides::both) sign_distance(state, band, limits, batch, t);
   }
   return true;
 }
@@ -300,8 +396,15 @@ PatchBatch build_moves(const CageState& state, const UnitFrame& frame, const std
   return batch;
 }
 
-void test_patches_locally(const CageState& state, PatchBatch& batch) {
+void test_patches_locally(const CageState& state, PatchBatch& batch, Sides sides) {
   parallel_each(batch.size(), patch_grain, [&](std::size_t i) {
+    if (sides == Sides::both) {
+      if (!keeps_faces_up(state, batch, i))
+        batch.verdict[i] = Verdict::turns_over;
+      else if (batch.direction[i].isZero(0) && !proper_patch(state.mesh, batch, i))
+        batch.verdict[i] = Verdict::degenerate;
+      return;
+    }
     batch.direction[i] = common_direction(state.mesh, batch, i);
     if (!batch.is_move(i) && !sweeps_outward(state.mesh, batch, i))
       batch.verdict[i] = Verdict::sweeps_inward;

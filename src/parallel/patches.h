@@ -19,10 +19,12 @@ namespace prcage {
 enum class Verdict : std::uint8_t {
   accepted,
   sweeps_inward,   // exact orientation: the cage would move inside one of its faces
+  turns_over,      // a new face would look away from those that it replaces: bands on both sides
   degenerate,      // a new face is degenerate, or the patch meets itself
   beyond_tau,      // not proved to be within tau of the input
   hits_cage,       // meets the rest of the cage
   hits_input,      // meets the input, or might leave a component of it outside: inward moves only
+  wrong_side,      // not proved to keep to what is allowed on each side of the input
   uncovers_input,  // would leave samples of the input farther from the cage than the bound
   conflict,        // meets a cheaper patch of the same round
 };
@@ -44,7 +46,7 @@ struct PatchBatch {
   std::vector<std::uint32_t> patch_of;   // of each triangle
   std::vector<Box> box;                  // of each triangle
   std::vector<Normal> normal;            // of each triangle
-  std::vector<DistanceBand::Near> near;  // of each triangle: an input face near by, upper bound of d(c_f, M)
+  std::vector<DistanceBand::Near> near;  // of each triangle: an input face near by; as CageState::face_distance
   std::vector<double> reach;             // of each triangle: upper bound of the distance of its points to M
   std::vector<Vec3> direction;           // of each patch: unit vector that its faces and those it removes face, or zero
                                          // (condition 1 in core/projection.h)
@@ -104,12 +106,20 @@ PatchBatch build_moves(const CageState& state, const UnitFrame& frame, const std
 
 // Exact: p of each collapse is on the outer side of, or on, every face of its star; a flip adds volume outside; no
 // new face is degenerate; no patch meets itself. Sets `direction` where there is one.
-void test_patches_locally(const CageState& state, PatchBatch& batch);
+//
+// A surface with a band on both sides may move inward, but no face may turn over: the new faces must be one to one with
+// their projection along a direction. That is one that the removed faces face, too, wherever there is one; removed
+// faces that fold so much that there is none are replaced by a patch that faces the vector area of the patch's rim,
+// which is that of the removed faces as well.
+void test_patches_locally(const CageState& state, PatchBatch& batch, Sides sides = Sides::outer);
 
 // The band of a cycle.
 struct BandLimits {
   double centroids = 0;                                    // tau_k: what eq. 4 grants the centroids of faces
   double reach = std::numeric_limits<double>::infinity();  // what every point of the cage is proved to be within
+  Sides sides = Sides::outer;                              // both: distances of centroids are signed
+  double outer = std::numeric_limits<double>::infinity();  // of reach, what is allowed outside of M
+  double inner = std::numeric_limits<double>::infinity();  // and inside, if there are two sides
 };
 
 // Finds an input face near each new centroid, and rejects patches that are not proved to be within reach.

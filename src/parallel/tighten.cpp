@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/counter_random.h"
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
 #include "parallel/parallel_for.h"
@@ -15,6 +16,9 @@ constexpr int most_halvings = 4;
 // What a move may do to a face: turn it by 45 degrees, and leave this share of its area.
 constexpr double least_cosine = 0.7;
 constexpr double least_area = 0.3;
+// Every pass but the first tilts the directions at random, by up to the angle of this tangent: vertices that are
+// blocked on the straight way in slide past what blocks them.
+constexpr double largest_tilt = 8;
 
 // What is planned for a vertex.
 struct Move {
@@ -25,9 +29,17 @@ struct Move {
 
 Vec3 scaled_normal(const Vec3& a, const Vec3& b, const Vec3& c) { return (b - a).cross(c - a); }
 
-// Against the mean normal of the star, that is down the gradient of the volume, by as much as the star is away from the
-// input at most.
-Move first_move(const CageState& state, const DistanceBand& band, std::uint32_t v) {
+Vec3 tilted(const Vec3& direction, const CounterRandom& random, std::uint64_t v) {
+  const auto uniform = [&](std::uint64_t k) { return random.uniform(4 * v + k); };
+  const Vec3 any(uniform(0) - 0.5, uniform(1) - 0.5, uniform(2) - 0.5);
+  const Vec3 across = any - any.dot(direction) * direction;
+  const double length = across.norm();
+  return length > 0 ? (direction + largest_tilt * uniform(3) / length * across).normalized() : direction;
+}
+
+// Against the mean normal of the star, that is down the gradient of the volume, or tilted from there, by as much as the
+// star is away from the input at most.
+Move first_move(const CageState& state, const DistanceBand& band, std::uint32_t v, const CounterRandom* tilt) {
   const CornerTable& mesh = state.mesh;
   if (mesh.vertex_halfedge[v] == none) return {};
   Vec3 sum = Vec3::Zero();
@@ -39,7 +51,8 @@ Move first_move(const CageState& state, const DistanceBand& band, std::uint32_t 
   const double length = sum.norm();
   if (!(length > 0)) return {};
   const double own = band.nearest(mesh.vec_at(v), state.face_near[mesh.vertex_halfedge[v] / 3]).distance;
-  return {-sum / length, std::max<double>(own, farthest), 0};
+  const Vec3 inward = -sum / length;
+  return {tilt == nullptr ? inward : tilted(inward, *tilt, v), std::max<double>(own, farthest), 0};
 }
 
 // Do the faces keep their shape and their side?
@@ -87,10 +100,12 @@ std::size_t tighten(CageState& state, const TightenSettings& settings, const Obs
   std::size_t moved = 0;
   std::vector<Move> moves(mesh.vertex_slots());
   for (int pass = 0; pass < settings.passes; ++pass) {
-    parallel_each(moves.size(), 16,
-                  [&](std::size_t v) { moves[v] = first_move(state, band, static_cast<std::uint32_t>(v)); });
+    const CounterRandom tilt(settings.seed, static_cast<std::uint64_t>(pass));
+    parallel_each(moves.size(), 16, [&](std::size_t v) {
+      moves[v] = first_move(state, band, static_cast<std::uint32_t>(v), pass == 0 ? nullptr : &tilt);
+    });
     for (std::uint64_t round = 0;; ++round) {
-      if (control != nullptr && control->cancelled()) return moved;
+      if (control != nullptr && control->stopped()) return moved;
       parallel_each(moves.size(), 256, [&](std::size_t v) {
         if (moves[v].length > 0) shorten(mesh, static_cast<std::uint32_t>(v), settings.shortest, moves[v]);
       });

@@ -30,7 +30,7 @@ using Surface = CGAL::Surface_mesh<Point>;
 // Circumcentres and intersections of the refinement are computed in doubles; ten digits leave them some room.
 constexpr double least_offset = 1e-10;  // of the largest coordinate
 
-struct Cancelled {};
+struct Stopped {};
 
 // Called before each step of the refinement. Throwing is the only way out of it.
 class Watch : public CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
@@ -40,7 +40,7 @@ class Watch : public CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor {
   template <class Wrapper, class Gate>
   void before_facet_treatment(const Wrapper& wrapper, const Gate&) const {
     if (control_ == nullptr) return;
-    if (control_->cancelled()) throw Cancelled();
+    if (control_->stopped()) throw Stopped();
     // A closed surface has about twice as many faces as vertices.
     control_->report(Control::Stage::wrap, 0, 2 * wrapper.triangulation().number_of_vertices(), 0);
   }
@@ -135,8 +135,11 @@ Wrap alpha_wrap(const MeshView& input, const WrapSettings& settings, Control* co
     const Stopwatch watch(wrap.seconds);
     try {
       Arena(1).run([&] { make_wrap(wrap, input, control); });
-    } catch (const Cancelled&) {
-      fail(wrap, Status::cancelled, "cancelled during the alpha wrap");
+    } catch (const Stopped&) {
+      if (control->cancelled())
+        fail(wrap, Status::cancelled, "cancelled during the alpha wrap");
+      else
+        fail(wrap, Status::deadline_reached, "the deadline has passed during the alpha wrap");
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {

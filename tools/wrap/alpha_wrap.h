@@ -28,12 +28,13 @@ inline constexpr double closed_alpha = 1.0 / 100;
 inline constexpr double topology_offset = 1.0 / 3000;
 
 struct Wrap {
-  Status status = Status::internal_error;  // ok; cancelled, invalid_options, invalid_input: nothing wrapped
-  std::string message;                     // empty if ok; one clause for people otherwise
-  Mesh mesh;                               // for make_cage_around() to check and to use
-  DroppedFaces dropped;                    // faces that have no area or no place
-  WrapSettings settings;                   // as given, alpha chosen
-  double diagonal = 0;                     // l
+  // ok; cancelled, deadline_reached, invalid_options, invalid_input: nothing wrapped
+  Status status = Status::internal_error;
+  std::string message;    // empty if ok; one clause for people otherwise
+  Mesh mesh;              // for make_cage_around() to check and to use
+  DroppedFaces dropped;   // faces that have no area or no place
+  WrapSettings settings;  // as given, alpha chosen
+  double diagonal = 0;    // l
   double seconds = 0;
 };
 

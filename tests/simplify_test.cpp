@@ -1,0 +1,346 @@
+// simplify() from end to end over shapes, seeds, tolerances and threads, judged by code of the tests' own; and the
+// tests of the engine that only a band on both sides needs, provoked on purpose.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine_stages.h"
+#include "parallel/flips.h"
+#include "parallel/obstacle.h"
+#include "parallel/side_test.h"
+#include "parallel/winding.h"
+#include "solids.h"
+
+namespace prcage {
+namespace {
+
+using testing::BruteDistance;
+using testing::corners;
+using testing::in_arena;
+using testing::same;
+using testing::sampled_distance;
+using testing::shape;
+using testing::Stage;
+using testing::topology;
+
+const testing::ShapeCase cases[] = {{"sphere", 500, 0}, {"bumpy", 500, 1},   {"spikes", 400, 1}, {"knot", 500, 1},
+                                    {"gyroid", 500, 1}, {"bracket", 300, 1}, {"nested", 400, 1}, {"slabs", 200, 1}};
+
+Vec3 unit_normal(const std::array<Vec3, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
+
+// Faces that are inverted beyond what coarseness explains: at none of the samples of such a face there is a face of the
+// input within `tolerance` that looks the same way, by less than a right angle.
+std::size_t inverted_faces(const Mesh& surface, const Mesh& input, double tolerance) {
+  std::vector<std::array<Vec3, 3>> input_faces;
+  for (const Triangle& t : input.triangles) input_faces.push_back(corners(input, t));
+  std::size_t inverted = 0;
+  for (const Triangle& t : surface.triangles) {
+    const auto face = corners(surface, t);
+    const Vec3 n = unit_normal(face);
+    bool looks_out = false;
+    testing::for_each_sample(face, 3, [&](const Vec3& x) {
+      for (std::size_t f = 0; f < input_faces.size() && !looks_out; ++f)
+        looks_out =
+            unit_normal(input_faces[f]).dot(n) > 0 && testing::triangle_distance(x, input_faces[f]) <= tolerance;
+    });
+    inverted += looks_out ? 0 : 1;
+  }
+  return inverted;
+}
+
+struct Excess {
+  double outside = 0;
+  double inside = 0;
+};
+
+// The largest distances of samples of the surface from the input, by the side on which they are.
+Excess sampled_excess(const Mesh& surface, const Mesh& input, int n) {
+  const BruteDistance distance(input);
+  Excess excess;
+  for (const Triangle& t : surface.triangles)
+    testing::for_each_sample(corners(surface, t), n, [&](const Vec3& x) {
+      const double d = distance(x);
+      double& side = testing::winding_number(input, x) == 0 ? excess.outside : excess.inside;
+      side = std::max(side, d);
+    });
+  return excess;
+}
+
+double distance_of_vertices(const Mesh& from, const Mesh& to) {
+  const BruteDistance distance(to);
+  double worst = 0;
+  for (const Position& p : from.positions) worst = std::max(worst, distance(vec(p)));
+  return worst;
+}
+
+// Everything that must hold of a result with a mesh.
+void expect_sound(const Mesh& input, const SimplifyOptions& options, const SimplifyResult& r) {
+  ASSERT_TRUE(r.has_mesh()) << to_string(r.status) << ": " << r.message;
+  EXPECT_EQ(r.message.empty(), r.status == Status::ok);
+  EXPECT_TRUE(r.certificate.valid());
+  EXPECT_TRUE(certify_surface(input, r.mesh).valid());
+  const Validation validation = validate(r.mesh);
+  EXPECT_TRUE(validation.valid());
+  EXPECT_EQ(validation.cavities, r.validation.cavities);
+  EXPECT_EQ(topology(r.mesh), topology(input));
+  EXPECT_EQ(r.statistics.cage_faces, r.mesh.triangles.size());
+  EXPECT_LE(r.mesh.triangles.size(), input.triangles.size());
+  const double unit = options.absolute ? 1 : r.statistics.diagonal;
+  const double tau = std::max(options.tau_inner, options.tau_outer) * unit;
+  EXPECT_DOUBLE_EQ(r.statistics.tau, tau);
+  if (options.tau_mode == TauMode::strict) {
+    EXPECT_LE(sampled_distance(r.mesh, input, 4), tau * (1 + 1e-9));
+  }
+  if (options.bound == Bound::both) {
+    EXPECT_LE(distance_of_vertices(input, r.mesh), tau * (1 + 1e-6));
+  }
+  EXPECT_EQ(inverted_faces(r.mesh, input, tau), 0u);
+}
+
+class Simplify : public ::testing::TestWithParam<testing::ShapeCase> {};
+
+TEST_P(Simplify, KeepsWhatItPromises) {
+  const Mesh input = shape(GetParam().name, GetParam().faces, GetParam().seed);
+  for (const double tau : {0.02, 0.05}) {
+    SCOPED_TRACE(tau);
+    SimplifyOptions options;
+    options.tau_inner = options.tau_outer = tau;
+    const SimplifyResult r = simplify(input, options);
+    expect_sound(input, options, r);
+    EXPECT_EQ(r.status, Status::ok);
+    ASSERT_TRUE(r.deviation);
+    EXPECT_LE(std::max(r.deviation->inside, r.deviation->outside), tau * (1 + 1e-9));
+  }
+}
+
+TEST_P(Simplify, KeepsToUnequalSides) {
+  const Mesh input = shape(GetParam().name, GetParam().faces, GetParam().seed);
+  for (const auto& [inner, outer] : {std::pair(0.02, 0.05), std::pair(0.05, 0.02)}) {
+    SCOPED_TRACE(inner);
+    SimplifyOptions options;
+    options.tau_inner = inner;
+    options.tau_outer = outer;
+    const SimplifyResult r = simplify(input, options);
+    expect_sound(input, options, r);
+    const Excess excess = sampled_excess(r.mesh, input, 3);
+    const double l = r.statistics.diagonal;
+    EXPECT_LE(excess.inside, inner * l * (1 + 1e-9));
+    EXPECT_LE(excess.outside, outer * l * (1 + 1e-9));
+    EXPECT_LE(r.deviation->inside, inner * (1 + 1e-9));
+    EXPECT_LE(r.deviation->outside, outer * (1 + 1e-9));
+  }
+}
+
+TEST_P(Simplify, IsTheSameForAnyNumberOfThreads) {
+  const Mesh input = shape(GetParam().name, GetParam().faces, GetParam().seed);
+  SimplifyOptions options;
+  options.tau_inner = 0.02;
+  options.tau_outer = 0.05;
+  options.threads = 1;
+  const SimplifyResult one = simplify(input, options);
+  for (const int threads : {2, 4}) {
+    options.threads = threads;
+    const SimplifyResult r = simplify(input, options);
+    EXPECT_TRUE(same(r.mesh, one.mesh));
+    EXPECT_EQ(r.deviation->outside, one.deviation->outside);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Simplify, ::testing::ValuesIn(cases),
+                         [](const auto& c) { return testing::label(c.param); });
+
+TEST(SimplifyResults, FacesTurnAwayFromTheNearestFaceByLessThanARightAngleOnSmoothShapes) {
+  for (const char* name : {"sphere", "bumpy"}) {
+    const Mesh input = shape(name, 2000);
+    SimplifyOptions options;
+    options.face_budget = 300;
+    const SimplifyResult r = simplify(input, options);
+    const BruteDistance nearest(input);
+    for (const Triangle& t : r.mesh.triangles) {
+      const auto face = corners(r.mesh, t);
+      const auto [f, d] = nearest.nearest((face[0] + face[1] + face[2]) / 3);
+      EXPECT_GT(unit_normal(face).dot(unit_normal(corners(input, input.triangles[f]))), 0) << name;
+    }
+  }
+}
+
+TEST(SimplifyResults, UseFewerFacesThanACageAndReachBudgets) {
+  const Mesh input = shape("bumpy", 1000);
+  SimplifyOptions options;
+  options.tau_inner = options.tau_outer = 0.02;
+  const SimplifyResult free = simplify(input, options);
+  Options cage_options;
+  cage_options.tau = 0.02;
+  EXPECT_LT(free.mesh.triangles.size(), make_cage(input, cage_options).cage.triangles.size());
+  options.face_budget = free.mesh.triangles.size() + 51;
+  const SimplifyResult some = simplify(input, options);
+  EXPECT_EQ(some.status, Status::ok);
+  EXPECT_LE(some.mesh.triangles.size(), options.face_budget);
+  EXPECT_GE(some.mesh.triangles.size() + 1, options.face_budget);
+  options.face_budget = 4;
+  const SimplifyResult few = simplify(input, options);
+  EXPECT_EQ(few.status, Status::face_budget_not_reached);
+  expect_sound(input, options, few);
+}
+
+TEST(SimplifyResults, FlatFacesCostNothing) {
+  const Mesh input = testing::flat_plate(12, 1, 0, 0.2);
+  const SimplifyResult r = simplify(input, {});
+  expect_sound(input, {}, r);
+  EXPECT_EQ(r.mesh.triangles.size(), 12u);
+  EXPECT_LE(r.deviation->from_input, 1e-4);
+}
+
+TEST(SimplifyResults, AbsoluteTolerancesAreInTheUnitOfTheInput) {
+  const Mesh input = testing::scaled(shape("bumpy", 800), 37);
+  const double l = testing::diagonal_of(input);
+  SimplifyOptions relative, absolute;
+  relative.tau_inner = relative.tau_outer = 0.5 / l;
+  absolute.tau_inner = absolute.tau_outer = 0.5;
+  absolute.absolute = true;
+  const SimplifyResult r = simplify(input, absolute);
+  expect_sound(input, absolute, r);
+  EXPECT_NEAR(static_cast<double>(r.mesh.triangles.size()),
+              static_cast<double>(simplify(input, relative).mesh.triangles.size()), 4);
+}
+
+TEST(SimplifyResults, FloatsArePlacedOnFloats) {
+  const Mesh input = shape("bumpy", 600);
+  SimplifyOptions options;
+  options.precision = Precision::float32;
+  const SimplifyResult r = simplify(input, options);
+  ASSERT_TRUE(r.has_mesh()) << r.message;
+  for (const Position& p : r.mesh.positions) EXPECT_EQ(p, round_to_floats(vec(p)));
+}
+
+TEST(SimplifyResults, RefuseWhatCannotBe) {
+  const Mesh input = shape("sphere", 200);
+  SimplifyOptions options;
+  options.tau_inner = 0;
+  EXPECT_EQ(simplify(input, options).status, Status::invalid_options);
+  options.tau_inner = 2;
+  EXPECT_EQ(simplify(input, options).status, Status::invalid_options);
+  options.absolute = true;
+  EXPECT_TRUE(simplify(input, options).has_mesh());
+  options.tau_outer = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(simplify(input, options).status, Status::invalid_options);
+  Mesh open = input;
+  open.triangles.pop_back();
+  const SimplifyResult refused = simplify(open, {});
+  EXPECT_EQ(refused.status, Status::invalid_input);
+  EXPECT_TRUE(refused.mesh.triangles.empty());
+  EXPECT_FALSE(refused.validation.valid());
+}
+
+TEST(SimplifyResults, CancelledRunsHaveAValidMesh) {
+  const Mesh input = shape("bumpy", 2000);
+  Control control;
+  control.cancel();
+  const SimplifyResult r = simplify(input, {}, &control);
+  EXPECT_EQ(r.status, Status::cancelled);
+  expect_sound(input, {}, r);
+}
+
+TEST(SimplifyResults, CertificateSeesWhatIsWrong) {
+  const Mesh input = testing::sphere(3);
+  const Mesh good = testing::sphere(2);
+  EXPECT_TRUE(certify_surface(input, good).valid());
+  EXPECT_FALSE(certify_surface(input, testing::inside_out(good)).bounds_solid);
+  EXPECT_FALSE(certify_surface(input, testing::torus()).euler_characteristic_equal);
+  EXPECT_FALSE(certify_surface(input, testing::merge(good, testing::sphere(1, 1, {5, 0, 0}))).component_count_equal);
+  const Mesh hollow = testing::merge(good, testing::inside_out(testing::sphere(1, 0.3)));
+  const Mesh apart = testing::merge(good, testing::sphere(1, 0.3, {5, 0, 0}));
+  EXPECT_FALSE(certify_surface(hollow, apart).cavity_count_equal);
+  Mesh crossing = testing::merge(good, testing::sphere(1, 0.3, {1, 0, 0}));
+  EXPECT_FALSE(certify_surface(apart, crossing).self_intersection_free);
+  Mesh open = good;
+  open.triangles.pop_back();
+  EXPECT_FALSE(certify_surface(input, open).closed);
+  EXPECT_FALSE(certify_surface(input, Mesh{}).valid());
+}
+
+// ------------------------------------------------------------------------------------------------- the tests
+
+// A tetrahedron of the given size just above the middle of a plate's top, and the patch that lifts the vertex there.
+struct Lifted {
+  explicit Lifted(double height, double size)
+      : mesh(testing::merge(testing::flat_plate(2, 1, 0, 0.2), tetrahedron_above(height, size))) {}
+
+  static Mesh tetrahedron_above(double height, double size) {
+    Mesh t = testing::scaled(testing::tetrahedron(), size);
+    for (Position& p : t.positions) p = {p[0] + 0.5, p[1] + 0.5, p[2] + 0.2 + height};
+    return t;
+  }
+
+  Mesh mesh;
+};
+
+Verdict verdict_of_lift(const Lifted& lifted, double by) {
+  Verdict verdict{};
+  in_arena(1, [&] {
+    const Stage stage(lifted.mesh);
+    CageState state = stage.state_of(lifted.mesh);
+    state.components = 2;
+    state.vertex_component.assign(lifted.mesh.positions.size(), 0);
+    for (std::size_t v = lifted.mesh.positions.size() - 4; v < lifted.mesh.positions.size(); ++v)
+      state.vertex_component[v] = 1;
+    std::uint32_t middle = none;
+    for (std::uint32_t v = 0; v + 4 < lifted.mesh.positions.size(); ++v) {
+      const Position& p = lifted.mesh.positions[v];
+      if (p[0] == 0.5 && p[1] == 0.5 && p[2] == 0.2) middle = v;
+    }
+    const std::uint32_t h = state.mesh.vertex_halfedge[middle];
+    PatchBatch batch = build_moves(state, stage.tree.frame(), {{0, h}}, {{0.5, 0.5, 0.2 + by}});
+    reject_sweeps_of_components(state, stage.device, batch);
+    verdict = batch.verdict[0];
+  });
+  return verdict;
+}
+
+TEST(SimplifyStages, PatchesThatSweepOverAComponentAreRejected) {
+  EXPECT_EQ(verdict_of_lift(Lifted(0.02, 0.001), 0.1), Verdict::hits_input);
+  EXPECT_EQ(verdict_of_lift(Lifted(0.12, 0.001), 0.1), Verdict::accepted);
+  EXPECT_EQ(verdict_of_lift(Lifted(0.02, 0.001), 0.01), Verdict::accepted);
+}
+
+TEST(SimplifyStages, PatchesThatTurnFacesOverAreRejected) {
+  const Mesh plate = testing::flat_plate(4, 1, 0, 0.2);
+  in_arena(1, [&] {
+    const Stage stage(plate);
+    CageState state = stage.state_of(plate);
+    std::uint32_t middle = none;
+    for (std::uint32_t v = 0; v < plate.positions.size(); ++v)
+      if (plate.positions[v] == Position{0.5, 0.5, 0.2}) middle = v;
+    const auto verdict = [&](const Position& point) {
+      PatchBatch batch = build_moves(state, stage.tree.frame(), {{0, state.mesh.vertex_halfedge[middle]}}, {point});
+      test_patches_locally(state, batch, Sides::both);
+      return batch.verdict[0];
+    };
+    EXPECT_EQ(verdict({0.55, 0.5, 0.2}), Verdict::accepted);
+    EXPECT_EQ(verdict({0.5, 0.5, 0.15}), Verdict::accepted);    // inward
+    EXPECT_EQ(verdict({0.9, 0.5, 0.2}), Verdict::turns_over);   // beyond its star
+    EXPECT_EQ(verdict({0.75, 0.5, 0.2}), Verdict::turns_over);  // onto its rim
+  });
+}
+
+TEST(SimplifyStages, BandsOnBothSidesKnowWhereTheFaceIs) {
+  const Band band{2, 1, Sides::both};
+  EXPECT_EQ(band(0).lower, -1);
+  EXPECT_EQ(band(0).upper, 2);
+  EXPECT_EQ(band(-1).lower, 0);
+  EXPECT_EQ(band(-1).upper, 3);
+  EXPECT_EQ(band(2).lower, -3);
+  EXPECT_EQ(band(2).upper, 0);
+  EXPECT_EQ(band(5).upper, 0);   // out of the band: never farther out,
+  EXPECT_EQ(band(-5).lower, 0);  // nor farther in
+  const Band cage{2, 0, Sides::outer};
+  EXPECT_EQ(cage(1).lower, 0);
+  EXPECT_EQ(cage(1).upper, 1);
+}
+
+}  // namespace
+}  // namespace prcage
