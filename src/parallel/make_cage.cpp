@@ -37,7 +37,10 @@ constexpr double largest_share_of_tau = 0.5;
 // than a run takes.
 constexpr double estimate_margin = 1.2;
 // So often another level is made where the next one cannot be moved off it, and another step of the move is tried.
-constexpr int most_attempts = 6;
+constexpr int most_attempts = 8;
+constexpr double sigma_ratio = 4;
+constexpr double narrowing = 0.04;  // of the thicknesses, with each attempt
+constexpr double largest_sigma = 0.01;
 constexpr int most_steps = 3;
 constexpr double step_ratio = 32;
 // Of the room between a level and the next, for each of the two; what is left is for rounding.
@@ -48,16 +51,16 @@ void report(Control* control, Control::Stage stage, std::size_t faces, double pr
 }
 
 // Where C_0 could not be freed of conflicts, for people.
-std::string displacement_message(const InitialCage& cage, const Mesh& surface) {
+std::string displacement_message(const char* what, const InitialCage& cage, const Mesh& surface) {
   const bool contact = cage.contacts.count > 0;
   const FacePairs& pairs = contact ? cage.contacts : cage.self_intersections;
   const auto face = pairs.pairs[0][contact ? 1 : 0];
   const Position& p =
       surface.positions[surface.triangles[std::min<std::size_t>(face, surface.triangles.size() - 1)][0]];
   std::ostringstream text;
-  text << "the input cannot be moved off itself without a collision: "
-       << cage.contacts.count + cage.self_intersections.count << " pairs of faces stay in conflict, e.g. near (" << p[0]
-       << ", " << p[1] << ", " << p[2]
+  text << what
+       << " cannot be moved off itself without a collision: " << cage.contacts.count + cage.self_intersections.count
+       << " pairs of faces stay in conflict, e.g. near (" << p[0] << ", " << p[1] << ", " << p[2]
        << "); sheets may be too close to each other there for double precision, or a vertex too singular";
   return text.str();
 }
@@ -150,7 +153,8 @@ class Pipeline {
     InitialCage first = before_ ? before_->next : displaced_input();
     record(first);
     if (!first.valid) {
-      fail(Status::displacement_failed, displacement_message(first, inner().surface.mesh));
+      fail(Status::displacement_failed,
+           displacement_message(before_ ? "the level before" : "the input", first, inner().surface.mesh));
       return;
     }
     collapse(first.state);
@@ -207,15 +211,18 @@ class Pipeline {
     if (control_ != nullptr) control_->begin_level(static_cast<int>(i) + 1, static_cast<int>(face_budgets.size()));
   }
 
-  // Makes a level, and the first cage around it. Where there is none, vertices too singular or sheets too close,
-  // another order of equal edges leads to another level. Null if the sequence ends here.
+  // Makes a level, and the first cage around it. Where there is none, since sheets have come too close to each other or
+  // vertices are too singular, a thinner band and a longer first step off the input lead to another level. Null if the
+  // sequence ends here.
   std::unique_ptr<LevelBefore> make_level(bool last, const std::vector<double>& steps,
                                           const std::vector<Result>& levels) {
-    const std::uint64_t seed = options_.seed;
+    const Options given = options_;
     const Result blank = result_;
     std::unique_ptr<LevelBefore> made;
     for (int attempt = 0; attempt < most_attempts && !(made && (made->next.valid || stopped())); ++attempt) {
-      options_.seed = seed + static_cast<std::uint64_t>(attempt);
+      narrowed_ = 1 - narrowing * attempt;
+      if (attempt > 0 && before_) move_off(*before_, std::pow(0.5, attempt));
+      options_.sigma = std::min(given.sigma * std::pow(sigma_ratio, attempt), std::max(given.sigma, largest_sigma));
       result_ = blank;
       make();
       if (!levels.empty()) drop_if_useless(levels.back());
@@ -224,7 +231,8 @@ class Pipeline {
       if (ends) return nullptr;
       made = level_to_leave(steps);
     }
-    options_.seed = seed;
+    options_ = given;
+    narrowed_ = 1;
     return made;
   }
 
@@ -236,14 +244,21 @@ class Pipeline {
     const std::size_t cycles = result_.statistics.cycles.size();
     level->first_step = first_step_ + (cycles > 0 ? cycles - 1 : 0);
     level->gap = level_gap * steps[level->first_step];
+    move_off(*level, 1);
+    return level;
+  }
+
+  // The first cage around a level, within a share of the room that there is.
+  void move_off(LevelBefore& level, double share) const {
     DisplacementSettings settings;
-    settings.longest_move = settings.longest_radius = largest_share_of_gap * level->gap;
+    settings.longest_move = settings.longest_radius = share * largest_share_of_gap * level.gap;
     // Many vertices of a level stay where they are put now.
     settings.float_positions = options_.precision == Precision::float32;
-    settings.step = std::min(options_.sigma * result_.statistics.diagonal, settings.longest_radius / longest_radius);
-    for (int i = 0; i < most_steps && !level->next.valid && !stopped(); ++i, settings.step /= step_ratio)
-      level->next = displace(level->checked.valid.surface.mesh, level->checked.valid.tree, settings, device_);
-    return level;
+    settings.step = std::min(options_.sigma * result_.statistics.diagonal, settings.longest_move);
+    const ValidSurface& surface = level.checked.valid;
+    level.next.valid = false;
+    for (int i = 0; i < most_steps && !level.next.valid && !stopped(); ++i, settings.step /= step_ratio)
+      level.next = displace(surface.surface.mesh, surface.tree, settings, device_);
   }
 
   void keep_level(std::unique_ptr<LevelBefore> level, std::vector<Result>& levels) {
@@ -317,12 +332,16 @@ class Pipeline {
     const Obstacle obstacle(inner().tree, inner().components, device_);
     std::optional<Coverage> coverage;
     if (options_.bound == Bound::both) coverage.emplace(surface.positions, most_samples);
-    const EngineContext context{&options_, s.diagonal, thickness_, inner().tree.frame(),
-                                &device_,  &band,      &obstacle,  coverage ? &*coverage : nullptr,
+    std::vector<double> thickness = thickness_;
+    for (double& t : thickness) t *= narrowed_;
+    const EngineContext context{&options_, s.diagonal, thickness, inner().tree.frame(),
+                                &device_,  &band,      &obstacle, coverage ? &*coverage : nullptr,
                                 control_,  &s};
     if (before_) measure_to_input(state, band, before_->reach, before_->gap + float_rounding(state.mesh));
     outcome_ = run_engine(state, context);
-    if (finds_thickness(options_)) s.tau = s.cycles.empty() ? thickness_.front() : s.cycles.back().tau;
+    // The first cage, of which something may be left, is within the first thickness.
+    if (finds_thickness(options_))
+      s.tau = s.cycles.empty() ? thickness_.front() : std::max(s.cycles.back().tau, thickness_.front());
     for (CycleStatistics& cycle : s.cycles) cycle.beta = cycle.tau / s.tau;
     if (outcome_ == EngineOutcome::schedule_finished && options_.face_budget != 0 && !finds_thickness(options_))
       estimate_needed_tau(state, context);
@@ -431,6 +450,7 @@ class Pipeline {
   std::unique_ptr<Soup> soup_;           // null: the input itself is enclosed
   std::unique_ptr<LevelBefore> before_;  // null: the first level
   std::vector<float> reach_;             // of each face of the cage: bounds the distance of its points to the input
+  double narrowed_ = 1;                  // further share of thicknesses, where a level is made again
   double share_ = 1;                     // of every thickness, for this level
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::size_t first_step_ = 0;  // of the thicknesses: where this level begins
