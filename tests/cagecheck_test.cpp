@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -79,11 +80,12 @@ void expect_same_conditions(const CageMeasures& measures, const json& expected) 
   EXPECT_EQ(conditions.topology_equal, expected["euler_equal"].get<bool>());
 }
 
-void expect_agreement(const CageMeasures& measures, const json& expected) {
+// Largest distances are lower bounds, found at samples `spacing` apart (relative to l): between them there may be more.
+void expect_agreement(const CageMeasures& measures, const json& expected, double spacing) {
   ASSERT_EQ(measures.status, Status::ok) << measures.message;
   const auto value = [&](const char* key) { return expected[key].get<double>(); };
   const auto expect_distance = [&](double found, const char* key) {
-    EXPECT_NEAR(found, value(key), 0.02 * value(key)) << key;
+    EXPECT_NEAR(found, value(key), 0.02 * value(key) + spacing) << key;
   };
   expect_distance(measures.hausdorff(), "hausdorff_rel");
   expect_distance(measures.cage_to_input.hausdorff, "hausdorff_cage_to_input_rel");
@@ -117,7 +119,8 @@ TEST_F(CagecheckRealMeshes, SlowAgreesOnDistancesNormalsAndConditions) {
     const CageMeasures measures = measure_cage(input, result.cage, options());
     const json expected = cagecheck(name, result.cage);
     expect_same_conditions(measures, expected);
-    expect_agreement(measures, expected);
+    const Validation& v = result.validation;
+    expect_agreement(measures, expected, std::sqrt(v.area / samples) / v.diagonal);
   }
   // Runs through the input: no cage, and both know.
   const std::string name = "cad/joint";
