@@ -19,4 +19,11 @@ inline std::array<double, 3> corner_angles(const Vec3& p, const Vec3& q, const V
   return {angle_degrees(q - p, r - p), angle_degrees(r - q, p - q), angle_degrees(p - r, q - r)};
 }
 
+// The smallest of these, which is across from the shortest edge.
+inline double least_angle(const Vec3& p, const Vec3& q, const Vec3& r) {
+  const double a = (q - r).squaredNorm(), b = (r - p).squaredNorm(), c = (p - q).squaredNorm();
+  if (a <= b && a <= c) return angle_degrees(q - p, r - p);
+  return b <= c ? angle_degrees(r - q, p - q) : angle_degrees(p - r, q - r);
+}
+
 }  // namespace prcage

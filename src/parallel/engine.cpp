@@ -200,14 +200,15 @@ class Engine {
         finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
     if (tightening.passes == 0 || context_.input == nullptr || !(last || soon)) return;
     tightening.limits = limits_;
+    tightening.flips = context_.options->flips;
     tightening.shortest = shortest_move * limits_.centroids;
     tightening.float_positions = settings_.float_positions;
     tightening.seed = context_.options->seed;
     tightening.coverage = coverage();
     report(Control::Stage::tighten, 0.97);
     timed(context_.statistics->seconds.tighten, [&] {
-      cycle.counts.tightened += tighten(state_, tightening, *context_.input, context_.frame, *context_.device,
-                                        *context_.band, context_.control);
+      tighten(state_, tightening, *context_.input, context_.frame, *context_.device, *context_.band, context_.control,
+              cycle.counts);
     });
   }
 

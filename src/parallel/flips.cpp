@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
+#include "core/angles.h"
 #include "core/predicates.h"
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
@@ -15,19 +14,15 @@ namespace {
 
 // Rounds end by themselves, since every flip raises an angle; this bounds the slow tail.
 constexpr int max_rounds = 64;
-constexpr double smallest_gain = 1e-6;  // radians
+constexpr double smallest_gain = 1e-4;  // degrees
 // Cosine of the angle that a new face may turn against the old ones: flips across sharp features are no polish.
 constexpr double smallest_normal_cosine = 0.2;
-constexpr float no_gain = std::numeric_limits<float>::infinity();
-
-double min_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const auto cosine = [](const Vec3& u, const Vec3& v) {
-    const double norms = std::sqrt(u.squaredNorm() * v.squaredNorm());
-    return norms > 0 ? u.dot(v) / norms : 1.0;
-  };
-  const double largest = std::max({cosine(b - a, c - a), cosine(a - b, c - b), cosine(a - c, b - c)});
-  return std::acos(std::clamp(largest, -1.0, 1.0));
-}
+// Flips that take volume away may narrow the smallest angle down to this, in degrees.
+constexpr double narrowest_for_volume = 15;
+// And take away so much of the thickness of the cycle at least, as the height of one corner above the opposite face.
+constexpr double smallest_height = 0.002;
+// The gain that flips are ranked by, at most.
+constexpr double largest_gain = 180;
 
 Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a);
@@ -41,19 +36,55 @@ bool joined(const CornerTable& mesh, std::uint32_t u, std::uint32_t v) {
   return found;
 }
 
-// How much the smallest angle would rise; not positive if the flip is not allowed.
-double flip_gain(const CornerTable& mesh, Sides sides, std::uint32_t h) {
-  const std::uint32_t va = mesh.origin(h), vb = mesh.target(h), vc = mesh.apex(h), vd = mesh.apex(mesh.twin[h]);
-  const Vec3 a = mesh.vec_at(va), b = mesh.vec_at(vb), c = mesh.vec_at(vc), d = mesh.vec_at(vd);
-  const double before = std::min(min_angle(a, b, c), min_angle(b, a, d));
-  const double gain = std::min(min_angle(d, c, a), min_angle(c, d, b)) - before;
-  if (gain <= smallest_gain) return 0;
-  const Vec3 old1 = unit_normal(a, b, c), old2 = unit_normal(b, a, d);
-  const Vec3 new1 = unit_normal(d, c, a), new2 = unit_normal(c, d, b);
-  const double turn = std::min({new1.dot(old1), new1.dot(old2), new2.dot(old1), new2.dot(old2)});
-  if (turn < smallest_normal_cosine) return 0;
-  if (mesh.valence(va, 4) <= 3 || mesh.valence(vb, 4) <= 3 || joined(mesh, vc, vd)) return 0;
-  return sides == Sides::both || exact::orient3d(a.data(), b.data(), c.data(), d.data()) >= 0 ? gain : 0;
+// The two faces of an edge from a to b, with apexes c and d, and those that a flip would make of them.
+struct Quadrilateral {
+  Quadrilateral(const CornerTable& mesh, std::uint32_t h)
+      : va(mesh.origin(h)),
+        vb(mesh.target(h)),
+        vc(mesh.apex(h)),
+        vd(mesh.apex(mesh.twin[h])),
+        a(mesh.vec_at(va)),
+        b(mesh.vec_at(vb)),
+        c(mesh.vec_at(vc)),
+        d(mesh.vec_at(vd)) {}
+
+  double angle_before() const { return std::min(least_angle(a, b, c), least_angle(b, a, d)); }
+  double angle_after() const { return std::min(least_angle(d, c, a), least_angle(c, d, b)); }
+
+  // How far d is below the plane of abc, times twice the area of the larger face: what a flip takes away.
+  double depth() const {
+    const Vec3 n = (b - a).cross(c - a);
+    const double area = std::max(n.norm(), (a - b).cross(d - b).norm());
+    return area > 0 ? n.dot(a - d) / area : 0;
+  }
+
+  bool keeps_direction() const {
+    const Vec3 old1 = unit_normal(a, b, c), old2 = unit_normal(b, a, d);
+    const Vec3 new1 = unit_normal(d, c, a), new2 = unit_normal(c, d, b);
+    return std::min({new1.dot(old1), new1.dot(old2), new2.dot(old1), new2.dot(old2)}) >= smallest_normal_cosine;
+  }
+
+  bool keeps_manifold(const CornerTable& mesh) const {
+    return mesh.valence(va, 4) > 3 && mesh.valence(vb, 4) > 3 && !joined(mesh, vc, vd);
+  }
+
+  std::uint32_t va, vb, vc, vd;
+  Vec3 a, b, c, d;
+};
+
+// What is won by a flip, in degrees or shares of the thickness; not positive if it is not allowed.
+double flip_gain(const CornerTable& mesh, const FlipSettings& settings, std::uint32_t h) {
+  const Quadrilateral q(mesh, h);
+  const bool for_volume = settings.goal == FlipGoal::volume;
+  const double depth = for_volume ? q.depth() / settings.limits.centroids : 0;
+  if (for_volume && !(depth > smallest_height)) return 0;
+  const double before = q.angle_before();
+  const double gain = q.angle_after() - (for_volume ? std::min(before, narrowest_for_volume) : before);
+  if (for_volume ? gain < 0 : gain <= smallest_gain) return 0;
+  if (!q.keeps_direction() || !q.keeps_manifold(mesh)) return 0;
+  if (for_volume) return std::min(depth, largest_gain);
+  const bool anywhere = settings.limits.sides == Sides::both;
+  return anywhere || exact::orient3d(q.a.data(), q.b.data(), q.c.data(), q.d.data()) >= 0 ? gain : 0;
 }
 
 // Flips worth trying, the largest gain with the lowest key. Blocked edges failed an exact test in this stage already.
@@ -63,9 +94,9 @@ std::vector<Candidate> find_flips(const CornerTable& mesh, const std::vector<std
                                     [&](std::size_t begin, std::size_t end, auto& list) {
                                       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
                                         if (!represents_edge(mesh, h) || blocked[h]) continue;
-                                        const double gain = flip_gain(mesh, settings.limits.sides, h);
+                                        const double gain = flip_gain(mesh, settings, h);
                                         if (gain <= 0) continue;
-                                        const auto rank = static_cast<float>(std::numbers::pi - gain);
+                                        const auto rank = static_cast<float>(largest_gain - gain);
                                         list.push_back({candidate_key(rank, h, settings.seed), h});
                                       }
                                     });
@@ -96,7 +127,7 @@ void block_rejected(const CornerTable& mesh, const PatchBatch& batch, std::vecto
 }  // namespace
 
 void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame& frame, const TreeDevice& device,
-                DistanceBand& band, Control* control, Counts& counts) {
+                DistanceBand& band, const Control* control, Counts& counts) {
   std::vector<std::uint8_t> blocked(state.mesh.corner_vertex.size(), 0);
   for (int round = 0; round < max_rounds; ++round) {
     if (control != nullptr && control->stopped()) return;
@@ -104,9 +135,11 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
         select_independent_flips(state.mesh, find_flips(state.mesh, blocked, settings));
     if (selected.empty()) return;
     PatchBatch batch = build_flips(state, frame, selected);
-    test_patches_locally(state, batch, settings.limits.sides);
+    const bool inward = settings.goal == FlipGoal::volume;
+    test_patches_locally(state, batch, settings.limits.sides, inward);
     test_patches_against_band(state, band, settings.limits, batch);
     test_flips_at_samples(state, band, settings.limits.centroids, batch);
+    if (inward) settings.obstacle->reject_hits(state, batch);
     if (settings.obstacle != nullptr) settings.obstacle->reject_sweeps(state, batch);
     if (state.components > 1) reject_sweeps_of_components(state, device, batch);
     reject_hits_on_cage(state, device, batch);

@@ -1,5 +1,6 @@
 // Edge flips after the collapses of a cycle (paper sec. 3.2, "Edge-flip Stage"): rounds of independent flips that raise
-// the smallest angle of their quadrilateral, add volume on the outside only and stay within the band.
+// the smallest angle of their quadrilateral, add volume on the outside only and stay within the band. When a cage is
+// tightened, flips that take volume away come as well: as moves inward they must touch nothing of the obstacle.
 #pragma once
 
 #include "parallel/cage_state.h"
@@ -9,16 +10,19 @@
 
 namespace prcage {
 
+enum class FlipGoal { angle, volume };
+
 struct FlipSettings {
   BandLimits limits;
   std::uint64_t seed = 0;
   Coverage* coverage = nullptr;        // if samples of the input are to stay within limits.centroids
-  const Obstacle* obstacle = nullptr;  // if a flip might take in a component
+  const Obstacle* obstacle = nullptr;  // if a flip might take in a component, or takes volume away
   const SideTest* side_test = nullptr;
+  FlipGoal goal = FlipGoal::angle;
 };
 
 // Flips until no flip is left, or the caller cancels. The cage is valid after every round.
 void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame& frame, const TreeDevice& device,
-                DistanceBand& band, Control* control, Counts& counts);
+                DistanceBand& band, const Control* control, Counts& counts);
 
 }  // namespace prcage

@@ -15,10 +15,7 @@ namespace {
 constexpr std::size_t patch_grain = 16;
 // Share of tau below which a distance is near enough to the true one: eq. 4 loses at most this share of its room.
 constexpr double near_enough = 0.25;
-// Share of tau below which the gap between a patch and what it replaces need not be known better.
-constexpr double small_gap = 0.02;
-// Of sums of three products, relative to the products.
-constexpr double height_rounding = 2e-15;
+constexpr double unknown = std::numeric_limits<double>::infinity();
 
 // Offsets of consecutive runs of the given lengths, one more than there are runs.
 template <class Length>
@@ -222,30 +219,9 @@ DistanceBand::Near near_with_hint(const DistanceBand& band, const Vec3& x, std::
   return known.distance <= near_enough * tau ? known : band.nearest(x, hint);
 }
 
-// How much the heights of the new and of the removed faces differ along the direction of the patch: both are graphs
-// over the same polygon, so nowhere can one be farther from the other.
-double height_range(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
-  const Vec3& n = batch.direction[i];
-  const Vec3 origin = mesh.vec_at(mesh.origin(batch.candidate[i].halfedge));
-  double low = 0, high = 0, widest = 0;
-  const auto add = [&](const Vec3& p) {
-    const Vec3 d = p - origin;
-    const double height = n.dot(d);
-    low = std::min(low, height);
-    high = std::max(high, height);
-    widest = std::max(widest, std::abs(d.x()) + std::abs(d.y()) + std::abs(d.z()));
-  };
-  for (const std::uint32_t f : batch.removed_faces(i))
-    for (std::size_t k = 0; k < 3; ++k) add(mesh.vec_at(mesh.corner_vertex[3 * std::size_t{f} + k]));
-  if (!batch.is_flip(i)) add(vec(batch.point[i]));
-  return high - low + height_rounding * widest;
-}
-
-// Upper bound of the distance of a point of the patch to the faces that it replaces; infinity if unknown. Not the least
-// one if it is at most `enough`.
-double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::size_t i, double enough) {
-  if (batch.direction[i].isZero(0)) return std::numeric_limits<double>::infinity();
-  if (const double range = height_range(mesh, batch, i); range <= enough) return range;
+// Upper bound of the distance of a point of the patch to the faces that it replaces; infinity if unknown.
+double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+  if (batch.direction[i].isZero(0)) return unknown;
   const std::uint32_t h = batch.candidate[i].halfedge;
   const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
   const bool flip = batch.is_flip(i), move = batch.is_move(i);
@@ -276,32 +252,44 @@ double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::siz
   return largest_gap(before, after);
 }
 
-// Upper bound for all new faces of a patch, by what is known of the old ones.
-double inherited_reach(const CageState& state, const BandLimits& limits, const PatchBatch& batch, std::size_t i) {
+// Upper bound of the distance of the faces that a patch replaces to the input.
+double removed_reach(const CageState& state, const PatchBatch& batch, std::size_t i) {
   float reach = 0;
   for (const std::uint32_t f : batch.removed_faces(i)) reach = std::max(reach, state.face_reach[f]);
-  return reach + gap_to_removed(state.mesh, batch, i, small_gap * limits.centroids);
+  return reach;
 }
 
-// Measures new face t: which input face is near its centroid, and how far is it from the input at most?
-void measure_face(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
-                  std::size_t t) {
+std::array<Vec3, 3> corners_of(const CageState& state, const PatchBatch& batch, std::size_t t) {
   const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
-  const std::array<Vec3, 3> corners{corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
+  return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
+}
+
+void lower_reach(PatchBatch& batch, std::size_t t, double reach) {
+  batch.reach[t] = std::min(batch.reach[t], reach);
+  batch.near[t].distance = std::min(batch.near[t].distance, batch.reach[t]);
+}
+
+// Which input face is near the centroid of new face t? The distances of the corners to it bound that of the face. The
+// input face known for a removed face will do if it is near enough.
+void measure_face(const CageState& state, const DistanceBand& band, double enough, PatchBatch& batch, std::size_t t) {
+  const std::array<Vec3, 3> corners = corners_of(state, batch, t);
   const Vec3 centroid = (corners[0] + corners[1] + corners[2]) / 3;
-  const DistanceBand::Near near = near_with_hint(band, centroid, state.face_near[batch.face[t]], limits.centroids);
-  double& reach = batch.reach[t];
-  reach = std::min(reach, std::sqrt(band.distance_from(near.face).largest_squared(corners)));
-  if (reach > limits.reach)
-    reach = band.reach(corners[0], corners[1], corners[2], limits.reach, near.distance <= limits.reach);
-  batch.near[t] = {near.face, std::min(near.distance, reach)};
+  DistanceBand::Near& near = batch.near[t];
+  near.face = state.face_near[batch.face[t]];
+  TriangleDistance distance = band.distance_from(near.face);
+  near.distance = std::sqrt(distance.squared(centroid));
+  if (near.distance > enough) {
+    near = band.nearest(centroid, near.face);
+    distance = band.distance_from(near.face);
+  }
+  lower_reach(batch, t, std::sqrt(distance.largest_squared(corners)));
 }
 
 // Distances of centroids as a band on both sides wants them: of a face near by, and on the side of its plane.
 void sign_distance(const CageState& state, const DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
                    std::size_t t) {
-  const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
-  const Vec3 centroid = (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3;
+  const auto [a, b, c] = corners_of(state, batch, t);
+  const Vec3 centroid = (a + b + c) / 3;
   DistanceBand::Near& near = batch.near[t];
   near = near_with_hint(band, centroid, near.face, limits.centroids);
   if (band.behind_face(centroid, near.face)) near.distance = -near.distance;
@@ -315,15 +303,31 @@ bool moves_too_far(const CageState& state, const DistanceBand& band, const BandL
   return near_with_hint(band, vec(batch.point[i]), hint, limits.centroids).distance > limits.reach;
 }
 
-// Fills in `near` and `reach` of a patch; false if it is not proved to be within reach.
+// Fills in `near` and `reach` of a patch; false if it is not proved to be within reach. The gap to what the patch
+// replaces comes first where it can spare the measuring of faces, else only where that does not prove them.
 bool measure_patch(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
                    std::size_t i) {
-  const double reach = inherited_reach(state, limits, batch, i);
-  if (reach > limits.reach && moves_too_far(state, band, limits, batch, i)) return false;
+  const double enough = near_enough * limits.centroids, removed = removed_reach(state, batch, i);
+  double inherited = unknown;  // bound for all faces, by what is known of the old ones
+  const auto inherits = [&] {
+    inherited = removed + gap_to_removed(state.mesh, batch, i);
+    return inherited <= limits.reach || !moves_too_far(state, band, limits, batch, i);
+  };
+  bool asked = removed <= enough;
+  if (asked && !inherits()) return false;
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
-    batch.reach[t] = reach;
-    batch.near[t] = {state.face_near[batch.face[t]], reach};
-    if (reach > near_enough * limits.centroids) measure_face(state, band, limits, batch, t);
+    batch.reach[t] = inherited;
+    batch.near[t] = {state.face_near[batch.face[t]], inherited};
+    if (inherited > enough) measure_face(state, band, enough, batch, t);
+    if (batch.reach[t] > limits.reach && !asked) {
+      asked = true;
+      if (!inherits()) return false;
+      lower_reach(batch, t, inherited);
+    }
+    if (batch.reach[t] > limits.reach) {
+      const auto [a, b, c] = corners_of(state, batch, t);
+      lower_reach(batch, t, band.reach(a, b, c, limits.reach, batch.near[t].distance <= limits.reach));
+    }
     if (batch.reach[t] > limits.reach) return false;
     // The constraints of a collapse keep centroids within the thickness of the cycle; nothing else does so for moves.
     if (batch.is_move(i) && batch.near[t].distance > limits.centroids) return false;
@@ -396,7 +400,7 @@ PatchBatch build_moves(const CageState& state, const UnitFrame& frame, const std
   return batch;
 }
 
-void test_patches_locally(const CageState& state, PatchBatch& batch, Sides sides) {
+void test_patches_locally(const CageState& state, PatchBatch& batch, Sides sides, bool inward) {
   parallel_each(batch.size(), patch_grain, [&](std::size_t i) {
     if (sides == Sides::both) {
       if (!keeps_faces_up(state, batch, i))
@@ -406,7 +410,7 @@ void test_patches_locally(const CageState& state, PatchBatch& batch, Sides sides
       return;
     }
     batch.direction[i] = common_direction(state.mesh, batch, i);
-    if (!batch.is_move(i) && !sweeps_outward(state.mesh, batch, i))
+    if (!inward && !batch.is_move(i) && !sweeps_outward(state.mesh, batch, i))
       batch.verdict[i] = Verdict::sweeps_inward;
     else if (batch.direction[i].isZero(0) && !proper_patch(state.mesh, batch, i))
       batch.verdict[i] = Verdict::degenerate;

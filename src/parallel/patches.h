@@ -105,13 +105,14 @@ PatchBatch build_moves(const CageState& state, const UnitFrame& frame, const std
                        std::vector<Position> points);
 
 // Exact: p of each collapse is on the outer side of, or on, every face of its star; a flip adds volume outside; no
-// new face is degenerate; no patch meets itself. Sets `direction` where there is one.
+// new face is degenerate; no patch meets itself. Sets `direction` where there is one. Moves of single vertices, and
+// flips if `inward`, may go either way: what they must not touch is up to others.
 //
 // A surface with a band on both sides may move inward, but no face may turn over: the new faces must be one to one with
 // their projection along a direction. That is one that the removed faces face, too, wherever there is one; removed
 // faces that fold so much that there is none are replaced by a patch that faces the vector area of the patch's rim,
 // which is that of the removed faces as well.
-void test_patches_locally(const CageState& state, PatchBatch& batch, Sides sides = Sides::outer);
+void test_patches_locally(const CageState& state, PatchBatch& batch, Sides sides = Sides::outer, bool inward = false);
 
 // The band of a cycle.
 struct BandLimits {

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "core/angles.h"
 #include "core/counter_random.h"
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
+#include "parallel/flips.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -19,6 +22,9 @@ constexpr double least_area = 0.3;
 // Every pass but the first tilts the directions at random, by up to the angle of this tangent: vertices that are
 // blocked on the straight way in slide past what blocks them.
 constexpr double largest_tilt = 8;
+// Faces are widened up to this angle, in degrees, if that is a gain of so many times at least.
+constexpr double wide_enough = 20;
+constexpr double least_widening = 1.05;
 
 // What is planned for a vertex.
 struct Move {
@@ -67,12 +73,43 @@ bool keeps_faces(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
   return keeps;
 }
 
-// Shortens a move until the faces keep their shape.
-void shorten(const CornerTable& mesh, std::uint32_t v, double shortest, Move& move) {
-  while (move.length > 0 && !keeps_faces(mesh, v, mesh.vec_at(v) + move.length * move.direction)) {
-    move.length = ++move.halvings > most_halvings ? 0 : 0.5 * move.length;
-  }
-  if (move.length < shortest) move.length = 0;
+// Along the surface towards where the narrowest faces of the star would be equilateral.
+Move widening_move(const CornerTable& mesh, std::uint32_t v) {
+  if (mesh.vertex_halfedge[v] == none) return {};
+  const Vec3 at = mesh.vec_at(v);
+  Vec3 normal = Vec3::Zero(), goal = Vec3::Zero();
+  double narrowest = 180, weights = 0;
+  for_each_outgoing(mesh, v, [&](std::uint32_t h) {
+    const Vec3 b = mesh.vec_at(mesh.target(h)), c = mesh.vec_at(mesh.apex(h));
+    normal += scaled_normal(at, b, c);
+    const double angle = least_angle(at, b, c);
+    narrowest = std::min(narrowest, angle);
+    const Vec3 middle = 0.5 * (b + c), edge = c - b,
+               up = (at - middle) - (at - middle).dot(edge) / edge.squaredNorm() * edge;
+    const double height = up.norm();
+    if (!(height > 0)) return;
+    const double weight = 1 / (angle * angle);
+    goal += weight * (middle + 0.5 * std::numbers::sqrt3 * edge.norm() / height * up);
+    weights += weight;
+  });
+  if (!(weights > 0) || narrowest > wide_enough) return {};
+  const Vec3 way = goal / weights - at;
+  const Vec3 along = way - way.dot(normal) / normal.squaredNorm() * normal;
+  const double length = along.norm();
+  if (!(length > 0)) return {};
+  return {along / length, 0.5 * length, 0};
+}
+
+// Is the narrowest face wider, and the volume no larger?
+bool widens(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
+  double before = 180, after = 180, volume = 0;
+  for_each_outgoing(mesh, v, [&](std::uint32_t h) {
+    const Vec3 a = mesh.vec_at(v), b = mesh.vec_at(mesh.target(h)), c = mesh.vec_at(mesh.apex(h));
+    before = std::min(before, least_angle(a, b, c));
+    after = std::min(after, least_angle(p, b, c));
+    volume += (p - a).dot(scaled_normal(a, b, c));
+  });
+  return after > least_widening * before && volume <= 0;
 }
 
 // Vertices that have a move, none of them next to another.
@@ -92,51 +129,112 @@ std::vector<Candidate> select_independent_moves(const CornerTable& mesh, const s
   });
 }
 
-}  // namespace
+enum class MoveKind { inward, tilted, widening };
 
-std::size_t tighten(CageState& state, const TightenSettings& settings, const Obstacle& obstacle, const UnitFrame& frame,
-                    const TreeDevice& device, DistanceBand& band, const Control* control) {
-  const CornerTable& mesh = state.mesh;
-  std::size_t moved = 0;
-  std::vector<Move> moves(mesh.vertex_slots());
-  for (int pass = 0; pass < settings.passes; ++pass) {
-    const CounterRandom tilt(settings.seed, static_cast<std::uint64_t>(pass));
-    parallel_each(moves.size(), 16, [&](std::size_t v) {
-      moves[v] = first_move(state, band, static_cast<std::uint32_t>(v), pass == 0 ? nullptr : &tilt);
+class Tightening {
+ public:
+  Tightening(CageState& state, const TightenSettings& settings, const Obstacle& obstacle, const UnitFrame& frame,
+             const TreeDevice& device, DistanceBand& band, const Control* control, Counts& counts)
+      : state_(state),
+        settings_(settings),
+        obstacle_(obstacle),
+        frame_(frame),
+        device_(device),
+        band_(band),
+        control_(control),
+        counts_(counts),
+        moves_(state.mesh.vertex_slots()) {}
+
+  void run() {
+    for (int pass = 0; pass < settings_.passes; ++pass) {
+      move(pass == 0 ? MoveKind::inward : MoveKind::tilted, pass);
+      flip(FlipGoal::volume);
+      flip(FlipGoal::angle);
+    }
+    move(MoveKind::widening, 0);
+  }
+
+ private:
+  bool stopped() const { return control_ != nullptr && control_->stopped(); }
+
+  void flip(FlipGoal goal) {
+    if (!settings_.flips) return;
+    const FlipSettings flips{settings_.limits, settings_.seed, settings_.coverage, &obstacle_, nullptr, goal};
+    flip_edges(state_, flips, frame_, device_, band_, control_, counts_);
+  }
+
+  // Rounds until no vertex has a move left.
+  void move(MoveKind kind, int pass) {
+    const CornerTable& mesh = state_.mesh;
+    const CounterRandom tilt(settings_.seed, static_cast<std::uint64_t>(pass));
+    parallel_each(moves_.size(), 16, [&](std::size_t i) {
+      const auto v = static_cast<std::uint32_t>(i);
+      moves_[i] = kind == MoveKind::widening ? widening_move(mesh, v)
+                                             : first_move(state_, band_, v, kind == MoveKind::tilted ? &tilt : nullptr);
     });
-    for (std::uint64_t round = 0;; ++round) {
-      if (control != nullptr && control->stopped()) return moved;
-      parallel_each(moves.size(), 256, [&](std::size_t v) {
-        if (moves[v].length > 0) shorten(mesh, static_cast<std::uint32_t>(v), settings.shortest, moves[v]);
-      });
-      const std::vector<Candidate> selected = select_independent_moves(mesh, moves, settings.seed + round);
+    for (std::uint64_t round = 0; !stopped(); ++round) {
+      parallel_each(moves_.size(), 256, [&](std::size_t i) { shorten(kind, static_cast<std::uint32_t>(i)); });
+      const std::vector<Candidate> selected = select_independent_moves(mesh, moves_, settings_.seed + round);
       if (selected.empty()) break;
-      std::vector<Position> points(selected.size());
-      for (std::size_t i = 0; i < selected.size(); ++i) {
-        const std::uint32_t v = mesh.origin(selected[i].halfedge);
-        points[i] = settings.float_positions ? round_to_floats(mesh.vec_at(v) + moves[v].length * moves[v].direction)
-                                             : position(mesh.vec_at(v) + moves[v].length * moves[v].direction);
-      }
-      PatchBatch batch = build_moves(state, frame, selected, std::move(points));
-      test_patches_locally(state, batch);
-      obstacle.reject_hits(state, batch);
-      obstacle.reject_sweeps(state, batch);
-      reject_hits_on_cage(state, device, batch);
-      reject_conflicts(state, device, batch);
-      test_patches_against_band(state, band, settings.limits, batch);
-      if (settings.coverage != nullptr) settings.coverage->test(state, settings.limits.centroids, batch);
-      for (std::size_t i = 0; i < batch.size(); ++i) {
-        Move& move = moves[batch.moved[i]];
-        if (batch.verdict[i] == Verdict::conflict) continue;  // another one goes first
-        const bool give_up = batch.alive(i) || ++move.halvings > most_halvings;
-        move.length = give_up ? 0 : 0.5 * move.length;
-      }
-      commit_moves(state, batch);
-      if (settings.coverage != nullptr) settings.coverage->commit(batch);
-      moved += batch.count(Verdict::accepted);
+      try_moves(selected);
     }
   }
-  return moved;
+
+  // Shortens a move until the faces keep their shape, or become wider if they are to.
+  void shorten(MoveKind kind, std::uint32_t v) {
+    const CornerTable& mesh = state_.mesh;
+    Move& move = moves_[v];
+    const auto good = [&](const Vec3& p) {
+      return keeps_faces(mesh, v, p) && (kind != MoveKind::widening || widens(mesh, v, p));
+    };
+    while (move.length > 0 && !good(mesh.vec_at(v) + move.length * move.direction))
+      move.length = ++move.halvings > most_halvings ? 0 : 0.5 * move.length;
+    if (move.length < settings_.shortest) move.length = 0;
+  }
+
+  void try_moves(const std::vector<Candidate>& selected) {
+    const CornerTable& mesh = state_.mesh;
+    std::vector<Position> points(selected.size());
+    for (std::size_t i = 0; i < selected.size(); ++i) {
+      const std::uint32_t v = mesh.origin(selected[i].halfedge);
+      const Vec3 p = mesh.vec_at(v) + moves_[v].length * moves_[v].direction;
+      points[i] = settings_.float_positions ? round_to_floats(p) : position(p);
+    }
+    PatchBatch batch = build_moves(state_, frame_, selected, std::move(points));
+    test_patches_locally(state_, batch);
+    obstacle_.reject_hits(state_, batch);
+    obstacle_.reject_sweeps(state_, batch);
+    reject_hits_on_cage(state_, device_, batch);
+    reject_conflicts(state_, device_, batch);
+    test_patches_against_band(state_, band_, settings_.limits, batch);
+    if (settings_.coverage != nullptr) settings_.coverage->test(state_, settings_.limits.centroids, batch);
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      Move& move = moves_[batch.moved[i]];
+      if (batch.verdict[i] == Verdict::conflict) continue;  // another one goes first
+      const bool give_up = batch.alive(i) || ++move.halvings > most_halvings;
+      move.length = give_up ? 0 : 0.5 * move.length;
+    }
+    commit_moves(state_, batch);
+    if (settings_.coverage != nullptr) settings_.coverage->commit(batch);
+    counts_.tightened += batch.count(Verdict::accepted);
+  }
+
+  CageState& state_;
+  const TightenSettings& settings_;
+  const Obstacle& obstacle_;
+  const UnitFrame& frame_;
+  const TreeDevice& device_;
+  DistanceBand& band_;
+  const Control* control_;
+  Counts& counts_;
+  std::vector<Move> moves_;
+};
+
+}  // namespace
+
+void tighten(CageState& state, const TightenSettings& settings, const Obstacle& obstacle, const UnitFrame& frame,
+             const TreeDevice& device, DistanceBand& band, const Control* control, Counts& counts) {
+  Tightening(state, settings, obstacle, frame, device, band, control, counts).run();
 }
 
 }  // namespace prcage

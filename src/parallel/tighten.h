@@ -1,7 +1,10 @@
-// Tightening: vertices of the cage move inward, off the slack that collapses leave behind, since those only ever move
-// outward. The cage stays valid: a move is kept only if, exactly, the new star touches neither the obstacle nor the
-// rest of the cage, and no whole component of the obstacle may lie between the old star and the new one. The obstacle
-// was inside before and cannot get out without touching the surface.
+// Tightening: vertices of the cage move inward and edges flip inward, off the slack that collapses leave behind, since
+// those only ever move outward. The cage stays valid: a move or flip is kept only if, exactly, the new faces touch
+// neither the obstacle nor the rest of the cage, and no whole component of the obstacle may lie between the old faces
+// and the new ones. The obstacle was inside before and cannot get out without touching the surface.
+//
+// Distance is not paid for with slivers: flips that raise the smallest angle go in between, and in the end vertices
+// slide along the surface where that widens the narrowest faces around them and adds no volume.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +17,7 @@ namespace prcage {
 struct TightenSettings {
   BandLimits limits;
   int passes = 1;
+  bool flips = true;
   // Moves shorter than this, input's unit, are not worth their tests.
   double shortest = 0;
   bool float_positions = false;
@@ -21,8 +25,8 @@ struct TightenSettings {
   Coverage* coverage = nullptr;  // if samples of the input are to stay within limits.centroids
 };
 
-// Returns the number of moves. The cage is valid after every round. Runs inside an Arena.
-std::size_t tighten(CageState& state, const TightenSettings& settings, const Obstacle& obstacle, const UnitFrame& frame,
-                    const TreeDevice& device, DistanceBand& band, const Control* control);
+// The cage is valid after every round. Runs inside an Arena.
+void tighten(CageState& state, const TightenSettings& settings, const Obstacle& obstacle, const UnitFrame& frame,
+             const TreeDevice& device, DistanceBand& band, const Control* control, Counts& counts);
 
 }  // namespace prcage
