@@ -514,13 +514,13 @@ TEST(MakeCageThickness, NeedsABudget) {
 TEST(MakeCageTighteningSlow, LeavesLessBetweenCageAndInput) {
   for (const char* name : {"bumpy", "knot", "spikes"})
     for (std::uint64_t seed = 0; seed < 2; ++seed) {
-      const Mesh input = shape(name, 2000);
-      Options loose = options_for(300, Quality::fast), tight = options_for(300, Quality::standard);
+      const Mesh input = shape(name, 800);
+      Options loose = options_for(200, Quality::fast), tight = options_for(200, Quality::standard);
       loose.seed = tight.seed = seed;
       const Result a = expect_cage(input, loose), b = expect_cage(input, tight);
       EXPECT_EQ(a.statistics.counts.tightened, 0u);
       EXPECT_GT(b.statistics.counts.tightened, 100u);
-      if (a.cage.triangles.size() > 300 || b.cage.triangles.size() > 300) continue;
+      if (a.cage.triangles.size() > 200 || b.cage.triangles.size() > 200) continue;
       const double volume = validate(input).volume;
       EXPECT_LT(validate(b.cage).volume - volume, 0.9 * (validate(a.cage).volume - volume)) << name;
     }
@@ -538,6 +538,26 @@ TEST(MakeCageTightening, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(many.positions, one.positions);
     EXPECT_EQ(many.triangles, one.triangles);
   }
+}
+
+TEST(MakeCageTighteningSlow, TheBestIsCloser) {
+  const Mesh input = shape("bumpy", 400);
+  const auto distance = [&](Quality quality) {
+    const Result r = expect_cage(input, options_for(120, quality));
+    EXPECT_LE(r.cage.triangles.size(), 120u);
+    return measure_cage(input, r.cage).hausdorff();
+  };
+  EXPECT_LT(distance(Quality::best), distance(Quality::fast));
+}
+
+TEST(MakeCageTighteningSlow, TheBestIsTheSameForAnyNumberOfThreads) {
+  const Mesh input = shape("bumpy", 200);
+  const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 4);
+  Options options = options_for(60, Quality::best);
+  options.threads = 1;
+  const Mesh one = expect_cage(input, options).cage;
+  options.threads = 4;
+  EXPECT_TRUE(testing::same(make_cage(input, options).cage, one));
 }
 
 // Small components close inside the cage of a large one: none may be swept out.

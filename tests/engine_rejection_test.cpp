@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
 #include "parallel/flips.h"
+#include "parallel/validate.h"
 
 namespace prcage {
 namespace {
@@ -469,6 +471,42 @@ TEST(Flips, KeepTheCageValidAndNestedAndRaiseTheSmallestAngle) {
     });
   }
   EXPECT_GT(flips, 20u);
+}
+
+// Far from the input there is slack to take away; close to it, flips must stop.
+TEST(Flips, TakeVolumeAwayAndLeaveTheInputEnclosed) {
+  std::uint64_t flips = 0, refused = 0;
+  for (const char* name : {"bumpy", "knot", "spikes"}) {
+    const Mesh input = testing::shape(name, 500);
+    in_arena(2, [&] {
+      const Stage stage(input);
+      const CheckedMesh checked = validate_mesh(input, stage.device);
+      const Obstacle obstacle(checked.valid.tree, checked.valid.components, stage.device);
+      for (const double step : {1e-2, 1e-5}) {
+        CageState state = stage.displaced(step * stage.diagonal).state;
+        const Mesh before = state.mesh.to_mesh();
+        const double tau = stage.diagonal / 20;
+        FlipSettings settings{{tau, tau}, 0};
+        settings.obstacle = &obstacle;
+        settings.goal = FlipGoal::volume;
+        settings.wide_enough = 15;
+        Counts counts;
+        flip_edges(state, settings, stage.tree.frame(), stage.device, *stage.band, nullptr, counts);
+        const Mesh after = state.mesh.to_mesh();
+        EXPECT_TRUE(certify(input, after).valid());
+        EXPECT_EQ(after.positions, before.positions);
+        EXPECT_TRUE(testing::weakly_encloses(before, after, 1e-9 * stage.diagonal));
+        if (counts.flips > 0) {
+          EXPECT_LT(validate(after).volume, validate(before).volume);
+        }
+        EXPECT_GE(smallest_angle(after), std::min(smallest_angle(before), 14.9 * std::numbers::pi / 180));
+        flips += counts.flips;
+        refused += counts.flips_tried - counts.flips;
+      }
+    });
+  }
+  EXPECT_GT(flips, 20u);
+  EXPECT_GT(refused, 20u);
 }
 
 // A quadrilateral bent outward along its diagonal: the other diagonal would cut into the solid.

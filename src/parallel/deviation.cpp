@@ -42,13 +42,21 @@ std::vector<double> distances(const std::vector<Position>& points, const Surface
   return distance;
 }
 
+double largest_distance(const SurfaceTree& from, const SurfaceTree& to, std::size_t samples) {
+  const std::vector<double> distance = distances(points_on(from, samples), to);
+  return *std::max_element(distance.begin(), distance.end());
+}
+
 }  // namespace
+
+double measured_hausdorff(const SurfaceTree& input, const SurfaceTree& surface, std::size_t samples) {
+  return std::max(largest_distance(input, surface, samples), largest_distance(surface, input, samples));
+}
 
 TwoSidedDeviation measure_deviation(const TreeDevice& device, const SurfaceTree& input, const SurfaceTree& surface,
                                     double diagonal, std::size_t samples) {
   TwoSidedDeviation deviation;
-  const std::vector<double> back = distances(points_on(input, samples), surface);
-  deviation.from_input = *std::max_element(back.begin(), back.end()) / diagonal;
+  deviation.from_input = largest_distance(input, surface, samples) / diagonal;
 
   const std::vector<Position> points = points_on(surface, samples);
   const std::vector<double> distance = distances(points, input);

@@ -72,7 +72,8 @@ class Engine {
   void report(Control::Stage stage, double part) {
     if (context_.control == nullptr) return;
     if (context_.estimates) stage = Control::Stage::estimate;
-    const double done = (static_cast<double>(cycle_) + part) / static_cast<double>(context_.thickness.size());
+    const double of_attempt = (static_cast<double>(cycle_) + part) / static_cast<double>(context_.thickness.size());
+    const double done = (context_.attempt + of_attempt) / context_.attempts;
     context_.control->report(stage, static_cast<int>(cycle_) + 1, state_.live_faces, 0.05 + 0.9 * done);
   }
 

@@ -34,6 +34,7 @@ struct EngineContext {
   BandShape band_shape = {};
   const SideTest* side_test = nullptr;     // where the two sides differ and every point is to keep to its own
   std::size_t most_covered_faces = 20000;  // coverage begins when the cage has come down to so many faces
+  int attempt = 0, attempts = 1;           // for the progress, where the closest of several cages is taken
   bool estimates = false;                  // only how far the thickness would have to grow is wanted
 };
 

@@ -17,9 +17,8 @@ constexpr int max_rounds = 64;
 constexpr double smallest_gain = 1e-4;  // degrees
 // Cosine of the angle that a new face may turn against the old ones: flips across sharp features are no polish.
 constexpr double smallest_normal_cosine = 0.2;
-// Flips that take volume away may narrow the smallest angle down to this, in degrees.
-constexpr double narrowest_for_volume = 15;
-// And take away so much of the thickness of the cycle at least, as the height of one corner above the opposite face.
+// Flips that take volume away take so much of the thickness of the cycle at least, as the height of one corner above
+// the opposite face.
 constexpr double smallest_height = 0.002;
 // The gain that flips are ranked by, at most.
 constexpr double largest_gain = 180;
@@ -72,19 +71,25 @@ struct Quadrilateral {
   Vec3 a, b, c, d;
 };
 
-// What is won by a flip, in degrees or shares of the thickness; not positive if it is not allowed.
-double flip_gain(const CornerTable& mesh, const FlipSettings& settings, std::uint32_t h) {
-  const Quadrilateral q(mesh, h);
-  const bool for_volume = settings.goal == FlipGoal::volume;
-  const double depth = for_volume ? q.depth() / settings.limits.centroids : 0;
-  if (for_volume && !(depth > smallest_height)) return 0;
-  const double before = q.angle_before();
-  const double gain = q.angle_after() - (for_volume ? std::min(before, narrowest_for_volume) : before);
-  if (for_volume ? gain < 0 : gain <= smallest_gain) return 0;
+// What is won by a flip, in degrees; not positive if it is not allowed.
+double angle_gain(const CornerTable& mesh, const FlipSettings& settings, const Quadrilateral& q) {
+  const double before = q.angle_before(), gain = q.angle_after() - before;
+  if (before >= settings.wide_enough || gain <= smallest_gain) return 0;
   if (!q.keeps_direction() || !q.keeps_manifold(mesh)) return 0;
-  if (for_volume) return std::min(depth, largest_gain);
   const bool anywhere = settings.limits.sides == Sides::both;
   return anywhere || exact::orient3d(q.a.data(), q.b.data(), q.c.data(), q.d.data()) >= 0 ? gain : 0;
+}
+
+// The same in shares of the thickness.
+double volume_gain(const CornerTable& mesh, const FlipSettings& settings, const Quadrilateral& q) {
+  const double depth = q.depth() / settings.limits.centroids;
+  if (!(depth > smallest_height) || q.angle_after() < std::min(q.angle_before(), settings.wide_enough)) return 0;
+  return q.keeps_direction() && q.keeps_manifold(mesh) ? std::min(depth, largest_gain) : 0;
+}
+
+double flip_gain(const CornerTable& mesh, const FlipSettings& settings, std::uint32_t h) {
+  const Quadrilateral q(mesh, h);
+  return settings.goal == FlipGoal::volume ? volume_gain(mesh, settings, q) : angle_gain(mesh, settings, q);
 }
 
 // Flips worth trying, the largest gain with the lowest key. Blocked edges failed an exact test in this stage already.

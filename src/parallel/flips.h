@@ -19,6 +19,9 @@ struct FlipSettings {
   const Obstacle* obstacle = nullptr;  // if a flip might take in a component, or takes volume away
   const SideTest* side_test = nullptr;
   FlipGoal goal = FlipGoal::angle;
+  // Degrees. Smallest angles of this size are wide enough: they are not raised for their own sake, and volume may be
+  // taken away as long as they stay so.
+  double wide_enough = 180;
 };
 
 // Flips until no flip is left, or the caller cancels. The cage is valid after every round.

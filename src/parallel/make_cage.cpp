@@ -14,6 +14,7 @@
 #include "core/mesh_view.h"
 #include "core/schedule.h"
 #include "parallel/certify.h"
+#include "parallel/deviation.h"
 #include "parallel/engine.h"
 #include "parallel/initial_cage.h"
 #include "parallel/parallel_for.h"
@@ -31,6 +32,9 @@ constexpr double longest_move = 50;
 constexpr double longest_radius = 100;
 // Samples of the input whose distance to the cage is bounded.
 constexpr std::size_t most_samples = 40000;
+// Cages of which the closest is taken, with best quality, and samples for the distance.
+constexpr int best_attempts = 3;
+constexpr std::size_t hausdorff_samples = 20000;
 // Of the first cycle's tau, for each of the two, so that C_0 lies within it.
 constexpr double largest_share_of_tau = 0.5;
 // By how much an estimate of the thickness that a face budget needs is raised: the way there went on in finer steps
@@ -108,6 +112,20 @@ struct LevelBefore {
   std::size_t first_step = 0;  // of the thicknesses, for the next level
   double gap = 0;              // how far the next level moves off at first, at most
   InitialCage next;            // its first cage
+};
+
+// What came of a run of the engine.
+struct Attempt {
+  CageState state;
+  Statistics statistics;
+  EngineOutcome outcome = EngineOutcome::schedule_finished;
+  double distance = 0;  // from the input, if there is more than one attempt
+
+  bool better_than(const Attempt& other, std::size_t face_budget) const {
+    const std::size_t faces = std::max(state.live_faces, face_budget);
+    const std::size_t other_faces = std::max(other.state.live_faces, face_budget);
+    return faces != other_faces ? faces < other_faces : distance < other.distance;
+  }
 };
 
 class Pipeline {
@@ -330,15 +348,12 @@ class Pipeline {
     DistanceBand band(surface.positions, surface.triangles, valid().tree.frame(), valid().tree.tree());
     Statistics& s = result_.statistics;
     const Obstacle obstacle(inner().tree, inner().components, device_);
-    std::optional<Coverage> coverage;
-    if (options_.bound == Bound::both) coverage.emplace(surface.positions, most_samples);
     std::vector<double> thickness = thickness_;
     for (double& t : thickness) t *= narrowed_;
-    const EngineContext context{&options_, s.diagonal, thickness, inner().tree.frame(),
-                                &device_,  &band,      &obstacle, coverage ? &*coverage : nullptr,
-                                control_,  &s};
+    EngineContext context{&options_, s.diagonal, thickness, inner().tree.frame(), &device_, &band, &obstacle,
+                          nullptr,   control_,   &s};
     if (before_) measure_to_input(state, band, before_->reach, before_->gap + float_rounding(state.mesh));
-    outcome_ = run_engine(state, context);
+    take_closest_attempt(state, context);
     // The first cage, of which something may be left, is within the first thickness.
     if (finds_thickness(options_))
       s.tau = s.cycles.empty() ? thickness_.front() : std::max(s.cycles.back().tau, thickness_.front());
@@ -347,6 +362,49 @@ class Pipeline {
       estimate_needed_tau(state, context);
     reach_ = live_reach(state);
     s.band_voxels = band.voxels_filled();
+  }
+
+  // From the first cage; where quality is best, the closest of several that differ in their seeds.
+  void take_closest_attempt(CageState& state, EngineContext context) {
+    context.attempts = options_.quality == Quality::best ? best_attempts : 1;
+    Statistics& s = result_.statistics;
+    std::optional<Attempt> best;
+    StageSeconds spent = s.seconds;
+    bool cut_short = false;
+    for (; context.attempt < context.attempts && !cut_short; ++context.attempt) {
+      const bool last = context.attempt + 1 == context.attempts;
+      Attempt attempt{last ? std::move(state) : state, s};
+      attempt.statistics.seconds = spent;
+      run_attempt(attempt, context);
+      spent = attempt.statistics.seconds;
+      cut_short = attempt.outcome == EngineOutcome::stopped;
+      if (!best || attempt.better_than(*best, options_.face_budget)) best = std::move(attempt);
+    }
+    state = std::move(best->state);
+    s = std::move(best->statistics);
+    s.seconds = spent;
+    outcome_ = cut_short ? EngineOutcome::stopped : best->outcome;
+  }
+
+  // Null if only the distance of the cage to the input is bounded.
+  std::optional<Coverage> samples_to_cover() const {
+    if (options_.bound != Bound::both) return {};
+    return Coverage(valid().surface.mesh.positions, most_samples);
+  }
+
+  void run_attempt(Attempt& attempt, EngineContext context) const {
+    Options options = options_;
+    options.seed += static_cast<std::uint64_t>(context.attempt);
+    std::optional<Coverage> coverage = samples_to_cover();
+    context.coverage = coverage ? &*coverage : nullptr;
+    context.options = &options;
+    context.statistics = &attempt.statistics;
+    attempt.outcome = run_engine(attempt.state, context);
+    if (context.attempts == 1) return;
+    const Mesh cage = attempt.state.mesh.to_mesh();
+    SurfaceTree tree(device_);
+    tree.build(unit_frame(cage.positions), cage.positions, cage.triangles, TreeQuality::fast_query);
+    attempt.distance = measured_hausdorff(valid().tree, tree, hausdorff_samples);
   }
 
   // How far it moves a vertex at most if the level before and the first cage of this one are rounded to floats.
@@ -365,6 +423,8 @@ class Pipeline {
     options.tau = options.tau_absolute = 0;  // every cycle has its own thickness
     options.quality = Quality::fast;         // nothing is to come back
     Statistics unused;
+    std::optional<Coverage> coverage = samples_to_cover();
+    context.coverage = coverage ? &*coverage : nullptr;
     context.options = &options;
     context.statistics = &unused;
     context.thickness =

@@ -22,7 +22,9 @@ constexpr double least_area = 0.3;
 // Every pass but the first tilts the directions at random, by up to the angle of this tangent: vertices that are
 // blocked on the straight way in slide past what blocks them.
 constexpr double largest_tilt = 8;
-// Faces are widened up to this angle, in degrees, if that is a gain of so many times at least.
+// Angles in degrees: edges are flipped, and vertices slide, for the sake of faces that are narrower than this. Vertices
+// do if that is a gain of so many times at least.
+constexpr double wide_enough_for_flips = 15;
 constexpr double wide_enough = 20;
 constexpr double least_widening = 1.05;
 
@@ -159,7 +161,8 @@ class Tightening {
 
   void flip(FlipGoal goal) {
     if (!settings_.flips) return;
-    const FlipSettings flips{settings_.limits, settings_.seed, settings_.coverage, &obstacle_, nullptr, goal};
+    const FlipSettings flips{settings_.limits, settings_.seed, settings_.coverage,   &obstacle_,
+                             nullptr,          goal,           wide_enough_for_flips};
     flip_edges(state_, flips, frame_, device_, band_, control_, counts_);
   }
 
