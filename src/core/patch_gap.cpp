@@ -57,6 +57,13 @@ ViewAlong::ViewAlong(const Vec3& n, const double* origin) : n_(n), origin_(origi
   across_[1] = n.cross(across_[0]);
 }
 
+void GraphDisc::add_inner_edge(const Vec3& a, const Vec3& b) {
+  const double margin = slack * (extent(a) + extent(b));
+  edges_.add({{a, b},
+              {std::min(a.x(), b.x()) - margin, std::min(a.y(), b.y()) - margin},
+              {std::max(a.x(), b.x()) + margin, std::max(a.y(), b.y()) + margin}});
+}
+
 // The difference in height between p and the disc.
 double GraphDisc::gap_at(const Vec3& p) const {
   double gap = -1;
@@ -75,7 +82,10 @@ double GraphDisc::gap_at(const Vec3& p) const {
 double GraphDisc::gap_at_crossings(const GraphDisc& other) const {
   double gap = 0;
   for (const auto& e : edges_)
-    for (const auto& f : other.edges_) gap = std::max(gap, gap_at_crossing(e, f));
+    for (const auto& f : other.edges_) {
+      if (e.low[0] > f.high[0] || f.low[0] > e.high[0] || e.low[1] > f.high[1] || f.low[1] > e.high[1]) continue;
+      gap = std::max(gap, gap_at_crossing(e.end, f.end));
+    }
   return gap;
 }
 

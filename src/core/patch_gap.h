@@ -32,7 +32,7 @@ class ViewAlong {
 class GraphDisc {
  public:
   void add_face(const Vec3& a, const Vec3& b, const Vec3& c) { faces_.add({a, b, c}); }
-  void add_inner_edge(const Vec3& a, const Vec3& b) { edges_.add({a, b}); }
+  void add_inner_edge(const Vec3& a, const Vec3& b);
   void add_inner_vertex(const Vec3& p) { vertices_.add(p); }
 
   // An upper bound of the distance along n between two discs over the same polygon; infinity if there are too many
@@ -41,6 +41,10 @@ class GraphDisc {
   friend double largest_gap(const GraphDisc& s, const GraphDisc& t);
 
  private:
+  struct Edge {
+    std::array<Vec3, 2> end;
+    std::array<double, 2> low, high;  // box across n, a little larger than the edge
+  };
   template <class T, std::size_t capacity>
   struct Few {
     std::array<T, capacity> item;
@@ -61,7 +65,7 @@ class GraphDisc {
   double rounding_of_heights() const;
 
   Few<std::array<Vec3, 3>, most> faces_;
-  Few<std::array<Vec3, 2>, most> edges_;
+  Few<Edge, most> edges_;
   Few<Vec3, 2> vertices_;
 };
 
