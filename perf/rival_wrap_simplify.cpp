@@ -6,15 +6,12 @@
 // whole.
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
-#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
-#include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
-#include <algorithm>
 #include <chrono>
 #include <stdexcept>
-#include <vector>
 
 #include "perf/rival.h"
+#include "perf/rival_surface.h"
 #include "tools/wrap/alpha_wrap.h"
 
 namespace prcage::perf {
@@ -22,7 +19,6 @@ namespace {
 
 using Point = CGAL::Simple_cartesian<double>::Point_3;
 using Surface = CGAL::Surface_mesh<Point>;
-namespace simplification = CGAL::Surface_mesh_simplification;
 
 Surface to_surface(const Mesh& mesh) {
   Surface surface;
@@ -32,29 +28,12 @@ Surface to_surface(const Mesh& mesh) {
   return surface;
 }
 
-Mesh to_mesh(Surface& surface) {
-  surface.collect_garbage();
-  Mesh mesh;
-  for (const auto v : surface.vertices()) {
-    const Point& p = surface.point(v);
-    mesh.positions.push_back({p.x(), p.y(), p.z()});
-  }
-  for (const auto f : surface.faces()) {
-    std::array<std::uint32_t, 3> t{};
-    std::size_t i = 0;
-    for (const auto v : surface.vertices_around_face(surface.halfedge(f))) t[i++] = static_cast<std::uint32_t>(v.idx());
-    mesh.triangles.push_back(t);
-  }
-  return mesh;
-}
-
 Attempt simplified_wrap(const Mesh& input, std::size_t faces, double offset) {
   const Wrap wrap = alpha_wrap(input, {closed_alpha, offset});
   if (wrap.status != Status::ok) throw std::runtime_error(wrap.message);
   const auto start = std::chrono::steady_clock::now();
   Surface surface = to_surface(wrap.mesh);
-  // Stops at fewer edges than it is told; a closed surface has 3 for every 2 faces.
-  simplification::edge_collapse(surface, simplification::Count_stop_predicate<Surface>(faces / 2 * 3 + 1));
+  simplify(surface, faces);
   Mesh cage = to_mesh(surface);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   return {std::move(cage), wrap.seconds + seconds.count(), {{"alpha", closed_alpha}, {"offset", offset}}};

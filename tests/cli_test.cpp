@@ -184,7 +184,7 @@ TEST_F(Cli, UsageLinesShowWhatIsRequired) {
 
 TEST_F(Cli, HelpIsFreeOfTheParsersOwnNotation) {
   for (const char* command : {"cage", "check", "eval", "info", "make", "render", "bind", "pose", "deform", "batch",
-                              "merge", "report", "simplify", "help"}) {
+                              "merge", "report", "simplify", "lowpoly", "help"}) {
     EXPECT_THAT(run({"help", command}).out, AllOf(Not(HasSubstr("REQUIRED")), Not(HasSubstr("Excludes")),
                                                   Not(HasSubstr("INT")), Not(HasSubstr("TEXT"))))
         << command;
@@ -242,6 +242,23 @@ TEST_F(Cli, SimplifyWritesACertifiedMeshWithinItsTolerances) {
   EXPECT_EQ(report["certificate"]["valid"], true);
   EXPECT_LE(report["deviation"]["inside"].get<double>(), 0.01);
   EXPECT_LE(report["deviation"]["outside"].get<double>(), 0.02);
+}
+
+TEST_F(Cli, LowPolyWritesAMeshOfSoManyFaces) {
+  const std::string in = shape("bumpy", 300);
+  const Outcome outcome =
+      run({"lowpoly", in, "-o", path("out.ply"), "--faces", "100", "--quality", "fast", "--stats", path("stats.json")});
+  EXPECT_EQ(outcome.code, code(ExitCode::ok)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(has_alpha_wrap() ? "alpha 0.1 and offset 0.002" : "no alpha wrap in this build"));
+  EXPECT_EQ(read_mesh(path("out.ply")).mesh.triangles.size(), 100u);
+  const json report = stats("stats.json");
+  EXPECT_EQ(report["certificate"]["valid"], true);
+  EXPECT_GT(report["tau_outer"].get<double>(), 0);
+  EXPECT_THAT(run({"eval", in, path("out.ply")}).out, HasSubstr("of 24 views"));
+  expect_usage_error({"lowpoly", in, "-o", path("none.ply")}, "--faces");
+  EXPECT_EQ(
+      run({"lowpoly", in, "-o", path("out.ply"), "--faces", "200", "--no-wrap", "--quality", "fast", "--quiet"}).code,
+      code(ExitCode::ok));
 }
 
 TEST_F(Cli, SimplifySaysWhatItCannotDo) {

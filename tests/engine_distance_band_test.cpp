@@ -60,6 +60,21 @@ TEST(DistanceBand, DistanceToAFaceIsThatOfTheTriangle) {
     });
 }
 
+TEST(DistanceBand, NearestPointOfAFaceIsOnItAndAsFarAsTheFace) {
+  for (const Mesh& input : inputs())
+    in_arena(1, [&] {
+      const Stage stage(input);
+      const double ulp = 1e-15 * Vec3(vec(input.positions[0])).norm() + 1e-14 * stage.diagonal;
+      std::mt19937_64 random(2);
+      for (const Vec3& x : points_about(input, 300, stage.diagonal, 4)) {
+        const auto f = static_cast<std::uint32_t>(random() % input.triangles.size());
+        const Vec3 point = stage.band->nearest_point(x, f);
+        EXPECT_NEAR((x - point).norm(), stage.band->distance_to_face(x, f), 4 * ulp);
+        EXPECT_LE(testing::triangle_distance(point, testing::corners(input, input.triangles[f])), 4 * ulp);
+      }
+    });
+}
+
 TEST(DistanceBand, NearestIsExactAndTheLowestAmongEquals) {
   for (const Mesh& input : inputs())
     in_arena(1, [&] {

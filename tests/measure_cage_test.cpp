@@ -22,10 +22,11 @@ MeasureOptions sampled(std::size_t samples, std::uint64_t seed = 0, int threads 
   options.samples = samples;
   options.seed = seed;
   options.threads = threads;
+  options.views = 0;
   return options;
 }
 
-CageMeasures measured(const Mesh& input, const Mesh& cage, const MeasureOptions& options = {}) {
+CageMeasures measured(const Mesh& input, const Mesh& cage, const MeasureOptions& options = sampled(100000)) {
   CageMeasures measures = measure_cage(input, cage, options);
   EXPECT_EQ(measures.status, Status::ok) << measures.message;
   return measures;
@@ -130,7 +131,7 @@ TEST_F(CubeInCube, Distances) {
 }
 
 TEST_F(CubeInCube, ThicknessBeyondTauIsThatOfEquation8) {
-  MeasureOptions options;
+  MeasureOptions options = sampled(100000);
   options.tau_absolute = 0.3;
   const CageMeasures absolute = measured(input_, cage_, options);
   ASSERT_TRUE(absolute.violation.has_value());
@@ -170,6 +171,30 @@ TEST(MeasureCage, SphereInACube) {
   EXPECT_NEAR(measures.input_to_cage.mean_distance * l, h - mean_height, facets);
   EXPECT_NEAR(measures.input_to_cage.normal_deviation, sphere_mean(angle), tilt);
   EXPECT_NEAR(measures.volume_ratio.value(), 27 / (4 * std::numbers::pi / 3), 0.01);
+}
+
+TEST(MeasureCage, InvertedFacesLookAwayFromTheClosestOnes) {
+  const Mesh input = testing::cube(1);
+  EXPECT_EQ(measured(input, input).inverted_faces, 0u);
+  EXPECT_EQ(measured(input, testing::cube(1.5)).inverted_faces, 0u);
+  EXPECT_EQ(measured(input, testing::inside_out(testing::cube(1.5))).inverted_faces, 12u);
+  Mesh turned = testing::cube(0.9);
+  std::swap(turned.triangles[3][0], turned.triangles[3][1]);
+  EXPECT_EQ(measured(input, turned).inverted_faces, 1u);
+  turned = testing::cube(0.9);
+  turned.positions.push_back(position(0.5 * (vec(turned.positions[0]) + vec(turned.positions[1]))));
+  turned.triangles.push_back({0, 1, static_cast<std::uint32_t>(turned.positions.size() - 1)});  // looks nowhere
+  EXPECT_EQ(measured(input, turned).inverted_faces, 0u);
+}
+
+// The closest points are on an edge between faces that look away from each other: either of them will do.
+TEST(MeasureCage, InvertedFacesMayBeCloseToSeveral) {
+  const Mesh blade = testing::flat_plate(1, 1, 0, 0.001);
+  for (const double size : {1.001, 1.1, 2.0}) {
+    const Mesh around =
+        testing::moved(testing::scaled(blade, size), {0.5 - size / 2, 0.5 - size / 2, 0.0005 * (1 - size)});
+    EXPECT_EQ(measured(blade, around).inverted_faces, 0u) << size;
+  }
 }
 
 // Faces that look the other way are seen by their normals alone.
@@ -225,6 +250,7 @@ TEST(MeasureCage, IsTheSameForAnyNumberOfThreadsAndForTheSameSeedOnly) {
   const auto with = [&](std::uint64_t seed, int threads) {
     MeasureOptions options = sampled(20000, seed, threads);
     options.tau = 0.05;
+    options.views = 3;
     return measured(input, cage, options);
   };
   const CageMeasures one = with(3, 1);
@@ -235,6 +261,7 @@ TEST(MeasureCage, IsTheSameForAnyNumberOfThreadsAndForTheSameSeedOnly) {
     EXPECT_EQ(one.violation->max, other.violation->max);
     EXPECT_EQ(one.violation->mean, other.violation->mean);
     EXPECT_EQ(one.violation->fraction, other.violation->fraction);
+    EXPECT_EQ(one.silhouette->mean, other.silhouette->mean);
   }
   const CageMeasures reseeded = with(4, 1);
   EXPECT_NE(one.cage_to_input.mean_distance, reseeded.cage_to_input.mean_distance);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,15 @@ double distance_of_vertices(const Mesh& from, const Mesh& to) {
   return worst;
 }
 
+CageMeasures measured(const Mesh& surface, const Mesh& input, std::size_t views = 0) {
+  MeasureOptions options;
+  options.samples = 1;
+  options.views = views;
+  return measure_cage(input, surface, options);
+}
+
+double silhouette(const Mesh& input, const Mesh& surface) { return measured(surface, input, 24).silhouette->mean; }
+
 // Everything that must hold of a result with a mesh.
 void expect_sound(const Mesh& input, const SimplifyOptions& options, const SimplifyResult& r) {
   ASSERT_TRUE(r.has_mesh()) << to_string(r.status) << ": " << r.message;
@@ -99,6 +109,7 @@ void expect_sound(const Mesh& input, const SimplifyOptions& options, const Simpl
     EXPECT_LE(distance_of_vertices(input, r.mesh), tau * (1 + 1e-6));
   }
   EXPECT_EQ(inverted_faces(r.mesh, input, tau), 0u);
+  EXPECT_EQ(measured(r.mesh, input).inverted_faces, 0u);
 }
 
 class Simplify : public ::testing::TestWithParam<testing::ShapeCase> {};
@@ -261,6 +272,123 @@ TEST(SimplifyResults, CertificateSeesWhatIsWrong) {
   open.triangles.pop_back();
   EXPECT_FALSE(certify_surface(input, open).closed);
   EXPECT_FALSE(certify_surface(input, Mesh{}).valid());
+}
+
+// ------------------------------------------------------------------------------------------------- low poly
+
+// A box that a dent goes into from above, and a closed surface round it that passes over the dent.
+Mesh dented_plate() {
+  const auto top = [](double x, double y) {
+    const double r = std::hypot(x - 0.5, y - 0.5);
+    return r < 0.2 ? 0.4 - 0.1 * (1 + std::cos(r * std::numbers::pi / 0.2)) / 2 : 0.4;
+  };
+  return testing::plate(
+      16, 1, [](double, double) { return 0.0; }, top);
+}
+
+TEST(LowPoly, KeepsTopologyAndReachesTheNumberOfFaces) {
+  for (const testing::ShapeCase& c :
+       {cases[4], cases[5], cases[6]}) {  // of high genus, with sharp edges, with a cavity
+    SCOPED_TRACE(testing::label(c));
+    const Mesh input = shape(c.name, c.faces, c.seed);
+    LowPolyOptions options;
+    options.faces = 150;
+    options.quality = Quality::fast;
+    options.samples = 0;
+    const SimplifyResult r = make_low_poly(input, nullptr, options);
+    ASSERT_TRUE(r.has_mesh()) << r.message;
+    EXPECT_EQ(topology(r.mesh), topology(input));
+    EXPECT_TRUE(validate(r.mesh).valid());
+    EXPECT_EQ(r.tau_inner, r.tau_outer);
+    EXPECT_LE(sampled_distance(r.mesh, input, 3), r.tau_outer * (1 + 1e-9));
+    EXPECT_EQ(measured(r.mesh, input).inverted_faces, 0u);
+    if (r.status == Status::ok) {
+      EXPECT_LE(r.mesh.triangles.size(), 150u);
+      EXPECT_GE(r.mesh.triangles.size(), 149u);
+    }
+  }
+}
+
+Mesh cover_of_plate() {
+  const Mesh cover = testing::plate(
+      2, 1.02, [](double, double) { return -0.01; }, [](double, double) { return 0.41; });
+  return testing::moved(cover, {-0.01, -0.01, 0});
+}
+
+TEST(LowPoly, FillsHollowsUpToTheWrapAndAnchorsTheRest) {
+  const Mesh input = dented_plate();
+  const Mesh wrap = cover_of_plate();
+  const MeshView view(wrap);
+  LowPolyOptions options;
+  options.faces = 24;
+  options.inner_share = 0.1;
+  const SimplifyResult r = make_low_poly(input, &view, options);
+  ASSERT_TRUE(r.has_mesh()) << r.message;
+  EXPECT_NEAR(r.tau_inner, options.inner_share * r.tau_outer, 1e-12);
+  EXPECT_LE(sampled_distance(r.mesh, input, 4), r.tau_outer * (1 + 1e-9));
+  EXPECT_EQ(topology(r.mesh), topology(input));
+  const BruteDistance distance(r.mesh);
+  double dent = 0;
+  for (const Position& p : input.positions) {
+    const double d = distance(vec(p));
+    if (p[2] > 0 && p[2] < 0.39)
+      dent = std::max(dent, d);
+    else
+      EXPECT_LE(d, std::max(0.0201, r.tau_inner));  // up to 0.02 from the wrap, or anchored
+  }
+  EXPECT_GT(dent, 2 * r.tau_inner);
+}
+
+TEST(LowPoly, OutlinesAreNearerToTheInputThanThoseOfASimplification) {
+  const Mesh input = shape("knot", 1000, 1);
+  LowPolyOptions options;
+  options.faces = 100;
+  options.quality = Quality::fast;
+  const SimplifyResult low = make_low_poly(input, nullptr, options);
+  SimplifyOptions plain;
+  plain.face_budget = low.mesh.triangles.size();
+  plain.tau_inner = plain.tau_outer = 0.05;
+  const SimplifyResult simplified = simplify(input, plain);
+  ASSERT_EQ(low.status, Status::ok);
+  ASSERT_EQ(simplified.status, Status::ok);
+  EXPECT_LT(silhouette(input, low.mesh), 0.9 * silhouette(input, simplified.mesh));
+}
+
+TEST(LowPoly, IsTheSameForAnyNumberOfThreads) {
+  const Mesh input = dented_plate();
+  const Mesh wrap = cover_of_plate();
+  const MeshView view(wrap);
+  LowPolyOptions options;
+  options.faces = 40;
+  options.quality = Quality::fast;
+  options.threads = 1;
+  const Mesh one = make_low_poly(input, &view, options).mesh;
+  options.threads = 4;
+  EXPECT_TRUE(same(make_low_poly(input, &view, options).mesh, one));
+}
+
+TEST(LowPoly, RefusesWhatCannotBe) {
+  const Mesh input = shape("sphere", 200);
+  LowPolyOptions options;
+  options.faces = 0;
+  EXPECT_EQ(make_low_poly(input, nullptr, options).status, Status::invalid_options);
+  options.faces = 20;
+  options.inner_share = 0;
+  EXPECT_EQ(make_low_poly(input, nullptr, options).status, Status::invalid_options);
+}
+
+TEST(Silhouettes, DifferByTheAreaBetweenTheOutlines) {
+  const Mesh cube = testing::cube(1);
+  EXPECT_EQ(silhouette(cube, cube), 0);
+  EXPECT_NEAR(silhouette(cube, testing::cube(0.9)), 1 - 0.81, 0.01);
+  EXPECT_NEAR(silhouette(cube, testing::cube(1.1)), 1.21 - 1, 0.01);
+  EXPECT_NEAR(silhouette(cube, testing::cube(1, {5, 5, 5})), 2, 0.35);  // some views are along the diagonal
+  // What an outline does not show does not count.
+  EXPECT_LT(silhouette(testing::merge(cube, testing::inside_out(testing::cube(0.5))), cube), 1e-12);
+}
+
+TEST(Silhouettes, AreLeftOutIfNoViewsAreAskedFor) {
+  EXPECT_FALSE(measured(testing::cube(0.9), testing::cube(1)).silhouette);
 }
 
 // ------------------------------------------------------------------------------------------------- the tests

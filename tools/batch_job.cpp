@@ -195,7 +195,8 @@ ChildCommand BatchJob::cage_child() const {
 }
 
 ChildCommand BatchJob::evaluation_child() const {
-  std::vector<std::string> arguments{"eval", input_.file, unplaced_cage(), "--json", scratch_ / "eval.json"};
+  std::vector<std::string> arguments{"eval", input_.file, unplaced_cage(),       "--views",
+                                     "0",    "--json",    scratch_ / "eval.json"};
   const std::vector<std::string> tau = tau_arguments(plan_.cage.options);
   arguments.insert(arguments.end(), tau.begin(), tau.end());
   if (plan_.cage.weld) arguments.emplace_back("--weld");

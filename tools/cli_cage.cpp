@@ -1,20 +1,16 @@
-// prcage cage: reads a mesh, makes the cage, writes it if it is certified, and says what happened.
+// prcage cage: a cage of a mesh, or nested ones, written if they are certified.
 #include <algorithm>
 #include <chrono>
-#include <new>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include "core/schedule.h"
 #include "tools/cli_commands.h"
-#include "tools/cli_files.h"
-#include "tools/cli_progress.h"
+#include "tools/cli_run.h"
 #include "tools/report.h"
-#include "tools/report_json.h"
 
 namespace prcage {
 
@@ -51,31 +47,14 @@ const Result& decisive(const std::vector<Result>& results) {
   return missed == results.end() ? results.back() : *missed;
 }
 
-// One run from the command to its exit code. What is known is kept as it comes, for the statistics.
-class CageRun {
+class CageRun : public MeshRun {
  public:
-  explicit CageRun(const CageCommand& command) : command_(command) {
+  explicit CageRun(const CageCommand& command) : MeshRun(command_), command_(command) {
     if (stores_floats(command_.format)) command_.options.precision = Precision::float32;
   }
 
-  ExitCode run() {
-    try {
-      record_.exit_code = read_make_write();
-    } catch (const std::bad_alloc&) {
-      record_.exit_code = fail(to_string(Status::internal_error), out_of_memory_text, ExitCode::internal_error);
-      print_error(record_.message);
-    }
-    record_.total_seconds = timer_.seconds();
-    return write_statistics();
-  }
-
  private:
-  ExitCode read_make_write() {
-    if (!outputs_writable()) {
-      return fail("cannot_write", "an output cannot be written", ExitCode::cannot_write);
-    }
-    input_ = read_input(command_.input, command_.weld);
-    if (!input_.file.ok) return fail("cannot_read", input_.file.error, ExitCode::cannot_read);
+  ExitCode make_and_write() override {
     make();
     if (write_wrap() != ExitCode::ok) return fail("cannot_write", "the wrap cannot be written", ExitCode::cannot_write);
     if (!results_.front().has_cage()) {
@@ -104,18 +83,12 @@ class CageRun {
     return paths;
   }
 
-  bool outputs_writable() const {
+  bool outputs_writable() const override {
     const auto asked_for = [](const std::string& path) { return !path.empty(); };
     const std::vector<std::string> cages = cage_paths();
     return std::all_of(cages.begin(), cages.end(), writable) &&
            (!asked_for(command_.stats) || writable(command_.stats)) &&
            (!asked_for(command_.wrap_output) || writable(command_.wrap_output));
-  }
-
-  ExitCode fail(const char* status, const std::string& message, ExitCode code) {
-    record_.status = status;
-    record_.message = message;
-    return code;
   }
 
   void make() {
@@ -125,31 +98,20 @@ class CageRun {
       control.set_deadline(Control::Clock::now() + std::chrono::duration_cast<Control::Clock::duration>(left));
     }
     const InterruptGuard interrupts(control);
-    std::optional<ProgressBar> bar;
-    if (!command_.quiet) {
-      // Said when Ctrl-C starts to mean "stop with what you have", not before.
-      fmt::print(stderr, "{}: {} vertices, {} faces\n", input_name(command_.input), input_.file.mesh.positions.size(),
-                 input_.file.mesh.triangles.size());
-      if (isatty(STDERR_FILENO) != 0) {
-        bar.emplace([this, &control](double seconds) {
-          return progress_line(control, command_.levels.size(), cycles(), seconds);
-        });
-      }
-    }
+    const std::optional<ProgressBar> bar = announce(control, command_.levels.size(), cycles());
     results_ = command_.wrap ? cages_of_wrap(control) : cages_of_input(control);
     for (Result& result : results_) distrust_without_certificate(result);
-    record_.status = to_string(decisive(results_).status);
-    record_.message = decisive(results_).message;
+    set_status(decisive(results_).status, decisive(results_).message);
   }
 
   std::vector<Result> cages_of_input(Control& control) const {
-    const Mesh& input = input_.file.mesh;
+    const Mesh& input = input_mesh();
     if (!command_.levels.empty()) return make_cages(input, command_.levels, command_.options, &control);
     return {make_cage(input, command_.options, &control)};
   }
 
   std::vector<Result> cages_of_wrap(Control& control) {
-    const Mesh& input = input_.file.mesh;
+    const Mesh& input = input_mesh();
     record_.wrap = alpha_wrap(input, *command_.wrap, &control);
     const Wrap& wrap = *record_.wrap;
     command_.wrap = wrap.settings;
@@ -163,12 +125,7 @@ class CageRun {
     return {result};
   }
 
-  // 0: as many as it takes.
-  int cycles() const {
-    const Options& options = command_.options;
-    if (finds_thickness(options)) return 0;
-    return options.schedule.empty() ? options.cycles : static_cast<int>(options.schedule.size());
-  }
+  int cycles() const { return finds_thickness(command_.options) ? 0 : cycles_of(command_.options); }
 
   // Nothing is written that does not carry its certificate, whatever the status says.
   static void distrust_without_certificate(Result& result) {
@@ -203,8 +160,7 @@ class CageRun {
 
   void explain_failure(const Result& result) const {
     if (result.status == Status::invalid_input && !command_.wrap) {
-      print_error(validation_headline(input_, result.validation));
-      fmt::print(stderr, "{}", validation_details(input_, result.validation));
+      explain_invalid_input(result.validation);
       if (result.validation.faces > 0) fmt::print(stderr, "{}", wrap_hint());
     } else if (result.status == Status::cancelled) {
       print_error("interrupted before there was a cage; nothing written");
@@ -241,19 +197,10 @@ class CageRun {
     }
   }
 
-  // The code to exit with: that of the run, unless it went well and only its statistics cannot be written.
-  ExitCode write_statistics() const {
-    if (command_.stats.empty()) return record_.exit_code;
-    const InputMesh* input = input_.file.ok ? &input_ : nullptr;
-    const ExitCode written = write_text(command_.stats, run_json(command_, input, results_, record_));
-    return record_.exit_code == ExitCode::ok ? written : record_.exit_code;
-  }
+  std::string statistics() const override { return run_json(command_, known_input(), results_, record_); }
 
   CageCommand command_;
-  Timer timer_;
-  InputMesh input_;
   std::vector<Result> results_;  // one, unless levels are made
-  RunRecord record_;
 };
 
 }  // namespace

@@ -19,6 +19,7 @@ ExitCode run(const BatchCommand& command);
 ExitCode run(const MergeCommand& command);
 ExitCode run(const ReportCommand& command);
 ExitCode run(const SimplifyCommand& command);
+ExitCode run(const LowPolyCommand& command);
 
 // Of a run of the library that ended so.
 ExitCode exit_code_of(Status status);

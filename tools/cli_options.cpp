@@ -270,6 +270,34 @@ void choose_wrap(const WrapOptions& options, CageCommand& command) {
   if (!options.output.empty()) command.wrap_format = format_of_extension("--wrap-output", options.output, "");
 }
 
+// What all commands have that make a mesh of another one.
+void add_mesh_files(CLI::App& app, MeshCommand& command, const char* made) {
+  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
+      ->required()
+      ->type_name("");
+  app.add_option("-o,--output", command.output,
+                 fmt::format("{} to write (required); - is standard output, needs --format", made))
+      ->required()
+      ->type_name("OUTPUT");
+}
+
+template <class AnyCommand>
+void add_input_settings(CLI::App& app, AnyCommand& command) {
+  add_count(app, "--seed", command.options.seed, {},
+            "Breaks ties between edges of equal cost [0];\nthe same seed gives the same result");
+  add_flag(app, "--flip", command.options.accept_inside_out,
+           "Accept an inside-out input, whose faces look inward: turn it\nround instead of refusing it");
+  add_weld(app, command.weld);
+}
+
+void add_run_settings(CLI::App& app, MeshCommand& command, int& threads, std::optional<MeshFormat>& format) {
+  add_threads(app, threads);
+  app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
+      ->type_name("FILE");
+  add_format(app, format);
+  add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
+}
+
 // What decides on the cage, however many of them are made.
 void add_cage_settings(CLI::App& app, CageCommand& command, bool& no_edge_flips) {
   add_tau(app, command.options);
@@ -282,11 +310,7 @@ void add_cage_settings(CLI::App& app, CageCommand& command, bool& no_edge_flips)
   add_flag(app, "--no-edge-flips", no_edge_flips, "Leave out the edge flips that improve triangles between the cycles");
   add_ratio(app, "--sigma", command.options.sigma, 0.01,
             "First displacement off the input, relative to the diagonal,\nat most 0.01 [1e-5]");
-  add_count(app, "--seed", command.options.seed, {},
-            "Breaks ties between edges of equal cost [0];\nthe same seed gives the same result");
-  add_flag(app, "--flip", command.options.accept_inside_out,
-           "Accept an inside-out input, whose faces look inward: turn it\nround instead of refusing it");
-  add_weld(app, command.weld);
+  add_input_settings(app, command);
 }
 
 std::vector<std::size_t> parse_levels(const std::string& text) {
@@ -318,21 +342,12 @@ void add_deadline(CLI::App& app, CageCommand& command) {
 
 void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips,
               WrapOptions& wrap) {
-  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
-      ->required()
-      ->type_name("");
-  app.add_option("-o,--output", command.output, "Cage to write (required); - is standard output, needs --format")
-      ->required()
-      ->type_name("OUTPUT");
+  add_mesh_files(app, command, "Cage");
   add_cage_settings(app, command, no_edge_flips);
   add_levels(app, command);
   add_deadline(app, command);
   add_wrap(app, wrap);
-  add_threads(app, command.options.threads);
-  app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
-      ->type_name("FILE");
-  add_format(app, format);
-  add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
+  add_run_settings(app, command, command.options.threads, format);
   app.callback([&app, &command, &format, &no_edge_flips, &wrap] {
     find_thickness_if_free(app, command.options, !command.levels.empty());
     command.format = output_format(command.output, format);
@@ -345,6 +360,22 @@ void add_cage(CLI::App& app, CageCommand& command, std::optional<MeshFormat>& fo
       throw CLI::ValidationError("--stats", "the cage and the statistics cannot both go to standard output");
     }
   });
+}
+
+// The options of simplify and lowpoly that do not decide on the tolerances.
+template <class AnyCommand>
+void add_surface_settings(CLI::App& app, AnyCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips) {
+  add_flag(app, "--no-edge-flips", no_edge_flips, "Leave out the edge flips that improve triangles between the cycles");
+  add_input_settings(app, command);
+  add_run_settings(app, command, command.options.threads, format);
+}
+
+template <class AnyCommand>
+void finish_surface(AnyCommand& command, const std::optional<MeshFormat>& format, bool no_edge_flips) {
+  command.format = output_format(command.output, format);
+  command.options.flips = !no_edge_flips;
+  if (command.output == "-" && command.stats == "-")
+    throw CLI::ValidationError("--stats", "the mesh and the statistics cannot both go to standard output");
 }
 
 void add_tolerances(CLI::App& app, SimplifyOptions& options, double& tau) {
@@ -383,46 +414,44 @@ struct SimplifySwitches {
 
 void finish_simplify(SimplifyCommand& command, const std::optional<MeshFormat>& format,
                      const SimplifySwitches& switches) {
+  finish_surface(command, format, switches.no_edge_flips);
   SimplifyOptions& options = command.options;
-  command.format = output_format(command.output, format);
   if (switches.tau > 0) options.tau_inner = options.tau_outer = switches.tau;
   if (!options.absolute && std::max(options.tau_inner, options.tau_outer) > 1)
     throw CLI::ValidationError("--tau", "is out of range: at most 1, unless --absolute is given");
-  options.flips = !switches.no_edge_flips;
   options.bound = switches.one_way ? Bound::cage : Bound::both;
-  if (command.output == "-" && command.stats == "-")
-    throw CLI::ValidationError("--stats", "the mesh and the statistics cannot both go to standard output");
 }
 
 void add_simplify(CLI::App& app, SimplifyCommand& command, std::optional<MeshFormat>& format,
                   SimplifySwitches& switches) {
-  SimplifyOptions& options = command.options;
-  app.add_option("INPUT", command.input, "Closed triangle mesh (PLY, OBJ, STL, OFF); - is standard input")
-      ->required()
-      ->type_name("");
-  app.add_option("-o,--output", command.output, "Mesh to write (required); - is standard output, needs --format")
-      ->required()
-      ->type_name("OUTPUT");
-  add_count(app, "--faces", options.face_budget, {},
+  add_mesh_files(app, command, "Mesh");
+  add_count(app, "--faces", command.options.face_budget, {},
             "Stop at N faces (or one below, where parity demands);\n0: as few as the tolerances allow [0]");
-  add_tolerances(app, options, switches.tau);
+  add_tolerances(app, command.options, switches.tau);
   add_flag(app, "--one-way", switches.one_way,
            "Bound the distance of the surface to the input only, not that of\n"
            "samples of the input to the surface");
-  add_simplify_cycles(app, options);
-  add_flag(app, "--no-edge-flips", switches.no_edge_flips,
-           "Leave out the edge flips that improve triangles between the cycles");
-  add_count(app, "--seed", options.seed, {},
-            "Breaks ties between edges of equal cost [0];\nthe same seed gives the same result");
-  add_flag(app, "--flip", options.accept_inside_out,
-           "Accept an inside-out input, whose faces look inward: turn it\nround instead of refusing it");
-  add_weld(app, command.weld);
-  add_threads(app, options.threads);
-  app.add_option("--stats", command.stats, "JSON statistics to write, also when the run fails;\n- is standard output")
-      ->type_name("FILE");
-  add_format(app, format);
-  add_flag(app, "--quiet", command.quiet, "No progress bar and no summary; errors are still printed");
+  add_simplify_cycles(app, command.options);
+  add_surface_settings(app, command, format, switches.no_edge_flips);
   app.callback([&command, &format, &switches] { finish_simplify(command, format, switches); });
+}
+
+void add_low_poly(CLI::App& app, LowPolyCommand& command, std::optional<MeshFormat>& format, bool& no_edge_flips) {
+  add_mesh_files(app, command, "Mesh");
+  add_count(app, "--faces", command.options.faces, {1},
+            "Faces of the mesh (required), or one below, where parity demands")
+      ->required();
+  app.add_option_function<std::string>(
+         "--quality", [&command](const std::string& text) { command.options.quality = parse_quality(text); },
+         "How finely the tolerances grow [default]")
+      ->type_name("fast|default|best");
+  add_ratio(app, "--inner-share", command.options.inner_share, 1,
+            "The tolerance inside of the input over that outside of it, at most 1 [1/2]");
+  add_flag(app, "--no-wrap", command.no_wrap,
+           "Equal tolerances on both sides; hollows are not filled up to an\n"
+           "alpha wrap of the input");
+  add_surface_settings(app, command, format, no_edge_flips);
+  app.callback([&command, &format, &no_edge_flips] { finish_surface(command, format, no_edge_flips); });
 }
 
 void add_check(CLI::App& app, CheckCommand& command) {
@@ -462,6 +491,8 @@ void add_eval(CLI::App& app, EvalCommand& command) {
   add_count(app, "--samples", command.options.samples, {1, 1000000000},
             "Points on each surface, 1 to 1000000000 [100000]");
   add_count(app, "--seed", command.options.seed, {}, "Varies the points [0]; the same seed gives the same result");
+  add_count(app, "--views", command.options.views, {0, 1000},
+            "Views in which the silhouettes are compared, 0 to 1000 [24]");
   app.add_option("--json", command.json, "JSON report to write; - is standard output, instead of the table")
       ->type_name("FILE");
   add_weld(app, command.weld);
@@ -726,6 +757,8 @@ struct Parsed {
   SimplifyCommand simplify;
   SimplifySwitches simplify_switches;
   std::optional<MeshFormat> simplify_format;
+  LowPolyCommand low_poly;
+  std::optional<MeshFormat> low_poly_format;
   std::optional<MeshFormat> batch_format;
   std::optional<MeshFormat> cage_format;
   std::optional<MeshFormat> make_format;
@@ -798,6 +831,10 @@ void add_commands(CLI::App& app, Parsed& parsed) {
                            {"INPUT -o OUTPUT [OPTIONS]"},
                            {cannot_read, invalid_mesh, face_budget_not_reached, no_cage, cannot_write, interrupted}),
                parsed.simplify, parsed.simplify_format, parsed.simplify_switches);
+  add_low_poly(add_command(app, "lowpoly", "Make a mesh of very few faces that keeps the outlines",
+                           {"INPUT -o OUTPUT --faces N [OPTIONS]"},
+                           {cannot_read, invalid_mesh, face_budget_not_reached, no_cage, cannot_write, interrupted}),
+               parsed.low_poly, parsed.low_poly_format, parsed.no_edge_flips);
   add_command(app, "help", "Describe a command", {"[COMMAND]"}, {})
       .add_option("COMMAND", parsed.help_topic, "Name of the command")
       ->type_name("");
@@ -828,6 +865,7 @@ std::optional<Command> chosen(const CLI::App& app, const Parsed& parsed) {
   if (app.got_subcommand("merge")) return parsed.merge;
   if (app.got_subcommand("report")) return parsed.report;
   if (app.got_subcommand("simplify")) return parsed.simplify;
+  if (app.got_subcommand("lowpoly")) return parsed.low_poly;
   return std::nullopt;
 }
 

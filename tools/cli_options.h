@@ -18,13 +18,17 @@
 
 namespace prcage {
 
-struct CageCommand {
+// What commands have in common that make a mesh of another one.
+struct MeshCommand {
   std::string input;
   std::string output;
   MeshFormat format{};  // of the output
   std::string stats;    // file of the JSON statistics; empty: none
   bool weld = false;
   bool quiet = false;
+};
+
+struct CageCommand : MeshCommand {
   std::optional<WrapSettings> wrap;  // to cage an alpha wrap of the input
   std::string wrap_output;           // file of that wrap; empty: none
   MeshFormat wrap_format{};
@@ -33,14 +37,13 @@ struct CageCommand {
   Options options;
 };
 
-struct SimplifyCommand {
-  std::string input;
-  std::string output;
-  MeshFormat format{};  // of the output
-  std::string stats;    // file of the JSON statistics; empty: none
-  bool weld = false;
-  bool quiet = false;
+struct SimplifyCommand : MeshCommand {
   SimplifyOptions options;
+};
+
+struct LowPolyCommand : MeshCommand {
+  LowPolyOptions options;
+  bool no_wrap = false;  // symmetric tolerances, no wrap that hollows are filled up to
 };
 
 struct CheckCommand {
@@ -136,9 +139,9 @@ struct RenderCommand {
   RenderOptions options;
 };
 
-using Command =
-    std::variant<CageCommand, CheckCommand, EvalCommand, InfoCommand, MakeCommand, RenderCommand, BindCommand,
-                 PoseCommand, DeformCommand, BatchCommand, MergeCommand, ReportCommand, SimplifyCommand>;
+using Command = std::variant<CageCommand, CheckCommand, EvalCommand, InfoCommand, MakeCommand, RenderCommand,
+                             BindCommand, PoseCommand, DeformCommand, BatchCommand, MergeCommand, ReportCommand,
+                             SimplifyCommand, LowPolyCommand>;
 
 // Either a command to run, or none and the code to exit with: help, version or the usage error have been printed.
 struct CommandLine {

@@ -26,6 +26,7 @@ bool drawable(const InputMesh& input) {
 bool find_largest_distance(const InputMesh& input, const InputMesh& cage, RenderOptions& options) {
   MeasureOptions measure;
   measure.threads = options.threads;
+  measure.views = 0;
   const CageMeasures measures = measure_cage(input.file.mesh, cage.file.mesh, measure);
   constexpr double least = 1e-9;  // where cage and input are one, there still is a scale
   options.distance_max = std::max(measures.cage_to_input.hausdorff, least);

@@ -28,8 +28,20 @@ deformed_picture() {
   "$program" render "$work/deformed.ply" "$work/posed.ply" -o "$pictures/$name.png" --width 1000 --height 350
 }
 
+# COMMAND SHAPE FACES OPTION OF COMMAND...: input, what simplify or lowpoly makes of it over the input, and that alone.
+simpler_picture() {
+  command=$1 shape=$2 faces=$3
+  shift 3
+  "$program" make "$shape" --faces "$faces" -o "$work/$shape.ply"
+  "$program" "$command" "$work/$shape.ply" -o "$work/$shape-$command.ply" --quiet "$@"
+  "$program" render "$work/$shape.ply" "$work/$shape-$command.ply" -o "$pictures/$shape-$command.png" \
+    --width 1000 --height 350
+}
+
 mkdir -p "$pictures"
 picture knot 100000
 picture bracket 20000
 deformed_picture bracket bracket-bent --bend 90
 deformed_picture knot knot-twisted --twist 120
+simpler_picture simplify gyroid 60000
+simpler_picture lowpoly spikes 40000 --faces 300

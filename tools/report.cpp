@@ -251,6 +251,16 @@ std::string deviation_text(const CageMeasures& measures) {
   return text;
 }
 
+std::string silhouette_text(const CageMeasures& measures) {
+  if (!measures.silhouette) return {};
+  const SilhouetteDeviation& silhouette = *measures.silhouette;
+  std::string text = "outlines, difference over the area of the input's\n";
+  add_line(text, "silhouettes",
+           fmt::format("mean {:.4f} %, largest {:.4f} %, of {}", 100 * silhouette.mean, 100 * silhouette.max,
+                       counted(silhouette.views, "view", "views")));
+  return text;
+}
+
 std::string sizes_text(const CageMeasures& measures) {
   std::string text = "sizes\n";
   add_line(text, "faces", fmt::format("{} -> {}", measures.input_faces, measures.cage_faces));
@@ -261,6 +271,7 @@ std::string sizes_text(const CageMeasures& measures) {
   add_line(text, "least angle",
            fmt::format("{:.6g} deg, 5th percentile {:.6g} deg, mean {:.6g} deg", angles.min, angles.fifth_percentile,
                        angles.mean));
+  add_line(text, "inverted", counted(measures.inverted_faces, "face", "faces"));
   return text;
 }
 
@@ -339,7 +350,7 @@ std::string evaluation_text(const InputMesh& input, const InputMesh& cage, const
     text += certificate_text(measures.certificate);
     add(text, "  where: prcage check {} --cage {}\n", input.path, cage.path);
   }
-  return text + deviation_text(measures) + sizes_text(measures);
+  return text + deviation_text(measures) + silhouette_text(measures) + sizes_text(measures);
 }
 
 std::string run_text(const CageCommand& command, const InputMesh& input, const Result& result, const Wrap* wrap,
@@ -376,18 +387,17 @@ std::string certificate_text(const SurfaceCertificate& certificate) {
   return text;
 }
 
-std::string simplify_text(const SimplifyCommand& command, const InputMesh& input, const SimplifyResult& result,
-                          double seconds) {
+std::string surface_run_text(const MeshCommand& command, TauMode mode, const InputMesh& input,
+                             const SimplifyResult& result, const Wrap* wrap, double seconds) {
   const Statistics& statistics = result.statistics;
-  const SimplifyOptions& options = command.options;
-  const double unit = options.absolute ? 1 / statistics.diagonal : 1;
+  const double l = statistics.diagonal;
   std::string text = fmt::format("{} -> {}: {} -> {}\n", input_name(command.input), output_name(command.output),
                                  counted(statistics.input_faces, "face", "faces"), statistics.cage_faces);
   add_line(text, "time", time_text(statistics, seconds));
   add_line(text, "tolerance",
-           fmt::format("{:.6g} inside, {:.6g} outside, of the diagonal of {:.9g}, {}", options.tau_inner * unit,
-                       options.tau_outer * unit, statistics.diagonal,
-                       options.tau_mode == TauMode::strict ? "strict" : "at face centroids only"));
+           fmt::format("{:.6g} inside, {:.6g} outside, of the diagonal of {:.9g}, {}", result.tau_inner / l,
+                       result.tau_outer / l, l, mode == TauMode::strict ? "strict" : "at face centroids only"));
+  if (wrap != nullptr) add_line(text, "wrap", wrap_text(*wrap));
   if (result.deviation) {
     const TwoSidedDeviation& deviation = *result.deviation;
     add_line(text, "measured",

@@ -37,8 +37,9 @@ std::string run_text(const CageCommand& command, const InputMesh& input, const R
 
 // The same of a simplified surface.
 std::string certificate_text(const SurfaceCertificate& certificate);
-std::string simplify_text(const SimplifyCommand& command, const InputMesh& input, const SimplifyResult& result,
-                          double seconds);
+// `wrap` is null if there was none.
+std::string surface_run_text(const MeshCommand& command, TauMode mode, const InputMesh& input,
+                             const SimplifyResult& result, const Wrap* wrap, double seconds);
 
 // The same of levels, of which the last may have no cage: a line for each.
 std::string levels_text(const CageCommand& command, const InputMesh& input, const std::vector<Result>& levels,

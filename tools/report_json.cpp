@@ -204,25 +204,43 @@ Json json_of(const CageCommand& command, double diagonal) {
           {"precision", options.precision == Precision::float32 ? "float32" : "float64"}};
 }
 
-Json json_of(const SimplifyCommand& command) {
-  const SimplifyOptions& options = command.options;
+// What the options of simplify and lowpoly have in common.
+template <class AnyCommand>
+Json surface_options(const AnyCommand& command) {
+  const auto& options = command.options;
   return {PRCAGE_FIELD(command, input),
           PRCAGE_FIELD(command, output),
           {"format", to_string(command.format)},
           PRCAGE_FIELD(command, weld),
-          PRCAGE_FIELD(options, tau_inner),
-          PRCAGE_FIELD(options, tau_outer),
-          PRCAGE_FIELD(options, absolute),
           {"tau_mode", options.tau_mode == TauMode::strict ? "strict" : "paper"},
-          {"bound", options.bound == Bound::both ? "both" : "surface"},
-          PRCAGE_FIELD(options, cycles),
-          PRCAGE_FIELD(options, schedule),
-          PRCAGE_FIELD(options, face_budget),
           PRCAGE_FIELD(options, flips),
           PRCAGE_FIELD(options, seed),
           PRCAGE_FIELD(options, threads),
           PRCAGE_FIELD(options, accept_inside_out),
           {"precision", options.precision == Precision::float32 ? "float32" : "float64"}};
+}
+
+Json json_of(const SimplifyCommand& command) {
+  const SimplifyOptions& options = command.options;
+  Json json = surface_options(command);
+  json.update({PRCAGE_FIELD(options, tau_inner),
+               PRCAGE_FIELD(options, tau_outer),
+               PRCAGE_FIELD(options, absolute),
+               {"bound", options.bound == Bound::both ? "both" : "surface"},
+               PRCAGE_FIELD(options, cycles),
+               PRCAGE_FIELD(options, schedule),
+               PRCAGE_FIELD(options, face_budget)});
+  return json;
+}
+
+Json json_of(const LowPolyCommand& command) {
+  const LowPolyOptions& options = command.options;
+  Json json = surface_options(command);
+  json.update({PRCAGE_FIELD(options, faces),
+               PRCAGE_FIELD(options, inner_share),
+               {"quality", to_string(options.quality)},
+               PRCAGE_FIELD(command, no_wrap)});
+  return json;
 }
 
 Json json_of(const SurfaceCertificate& certificate) {
@@ -288,6 +306,10 @@ Json json_of(const ThicknessViolation& violation) {
           PRCAGE_FIELD(violation, fraction)};
 }
 
+Json json_of(const SilhouetteDeviation& silhouette) {
+  return {PRCAGE_FIELD(silhouette, views), PRCAGE_FIELD(silhouette, mean), PRCAGE_FIELD(silhouette, max)};
+}
+
 Json json_of(const SmallestAngles& angles) {
   return {PRCAGE_FIELD(angles, min), PRCAGE_FIELD(angles, fifth_percentile), PRCAGE_FIELD(angles, mean)};
 }
@@ -304,11 +326,14 @@ Json json_of(const CageMeasures& measures) {
           {"violation", measures.violation ? json_of(*measures.violation) : Json()},
           {"volume_ratio", measures.volume_ratio ? Json(*measures.volume_ratio) : Json()},
           PRCAGE_FIELD(measures, area_ratio),
-          {"smallest_angle", json_of(measures.smallest_angle)}};
+          {"smallest_angle", json_of(measures.smallest_angle)},
+          PRCAGE_FIELD(measures, inverted_faces),
+          {"silhouette", measures.silhouette ? json_of(*measures.silhouette) : Json()}};
 }
 
 Json json_of(const MeasureOptions& options) {
-  return {PRCAGE_FIELD(options, samples), PRCAGE_FIELD(options, seed), PRCAGE_FIELD(options, threads)};
+  return {PRCAGE_FIELD(options, samples), PRCAGE_FIELD(options, seed), PRCAGE_FIELD(options, views),
+          PRCAGE_FIELD(options, threads)};
 }
 
 // What was asked for and did not come about has no entry, unless it is what ended the sequence.
@@ -355,8 +380,11 @@ std::string run_json(const CageCommand& command, const InputMesh* input, const s
   return text_of(json);
 }
 
-std::string simplify_json(const SimplifyCommand& command, const InputMesh* input, const SimplifyResult* result,
-                          const RunRecord& record) {
+namespace {
+
+template <class AnyCommand>
+std::string any_surface_run_json(const AnyCommand& command, const InputMesh* input, const SimplifyResult* result,
+                                 const RunRecord& record) {
   Json json = header();
   json["status"] = record.status;
   json["message"] = record.message;
@@ -366,13 +394,28 @@ std::string simplify_json(const SimplifyCommand& command, const InputMesh* input
   json["seconds"] = {
       {"total", record.total_seconds}, {"read", input ? input->seconds : 0}, {"write", record.write_seconds}};
   if (input) json["input"] = json_of(*input);
+  if (record.wrap) json["wrap"] = json_of(*record.wrap);
   if (result) {
+    json["tau_inner"] = result->tau_inner;
+    json["tau_outer"] = result->tau_outer;
     json["statistics"] = json_of(result->statistics);
     json["validation"] = json_of(result->validation);
     json["certificate"] = json_of(result->certificate);
     json["deviation"] = result->deviation ? json_of(*result->deviation) : Json();
   }
   return text_of(json);
+}
+
+}  // namespace
+
+std::string surface_run_json(const SimplifyCommand& command, const InputMesh* input, const SimplifyResult* result,
+                             const RunRecord& record) {
+  return any_surface_run_json(command, input, result, record);
+}
+
+std::string surface_run_json(const LowPolyCommand& command, const InputMesh* input, const SimplifyResult* result,
+                             const RunRecord& record) {
+  return any_surface_run_json(command, input, result, record);
 }
 
 std::string validation_json(const InputMesh& input, const Validation& validation) {

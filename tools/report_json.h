@@ -30,9 +30,11 @@ struct RunRecord {
 std::string run_json(const CageCommand& command, const InputMesh* input, const std::vector<Result>& results,
                      const RunRecord& record);
 
-// The same of a run of `prcage simplify`; "cage" stands for the simplified mesh.
-std::string simplify_json(const SimplifyCommand& command, const InputMesh* input, const SimplifyResult* result,
-                          const RunRecord& record);
+// The same of runs of `prcage simplify` and `prcage lowpoly`; the "cage" of the statistics is the mesh made.
+std::string surface_run_json(const SimplifyCommand& command, const InputMesh* input, const SimplifyResult* result,
+                             const RunRecord& record);
+std::string surface_run_json(const LowPolyCommand& command, const InputMesh* input, const SimplifyResult* result,
+                             const RunRecord& record);
 
 std::string validation_json(const InputMesh& input, const Validation& validation);
 std::string certificate_json(const InputMesh& input, const InputMesh& cage, const Certificate& certificate);

@@ -26,6 +26,11 @@ struct Band {
     const double lower = sides == Sides::outer ? 0.0 : std::min(0.0, -inner - distance);
     return {lower, std::max(0.0, outer - distance)};
   }
+  // With no more than `room` outward (eq. 10), up to a wrap of M, but as far out of M as into it in any case.
+  HeightInterval operator()(double distance, double room) const {
+    const HeightInterval height = (*this)(distance);
+    return {height.lower, std::min(height.upper, std::max({0.0, room, inner - distance}))};
+  }
 };
 
 }  // namespace prcage

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/vec3.h"
 
@@ -32,6 +33,27 @@ class TriangleDistance {
       return height * height / nn_;
     }
     return std::min({squared_to_edge(0, ax), squared_to_edge(1, x - corner_[1]), squared_to_edge(2, x - corner_[2])});
+  }
+
+  // Barycentric coordinates of the point of the triangle that is nearest to x.
+  std::array<double, 3> nearest_weights(const Vec3& x) const {
+    const Vec3 ax = x - corner_[0];
+    const double v = beta_.dot(ax), w = gamma_.dot(ax);
+    if (v > 0 && w > 0 && v + w < nn_) return {(nn_ - v - w) / nn_, v / nn_, w / nn_};
+    std::array<double, 3> weights{};
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 from_start = x - corner_[i];
+      const double d = squared_to_edge(static_cast<int>(i), from_start);
+      if (!(d < least)) continue;
+      least = d;
+      const double along = from_start.dot(edge_[i]), length = edge_[i].squaredNorm();
+      const double share = along > 0 ? std::min(along / length, 1.0) : 0;
+      weights = {};
+      weights[i] = 1 - share;
+      weights[(i + 1) % 3] = share;
+    }
+    return weights;
   }
 
   // Of the points of a triangle: the distance to a convex set is largest at a corner.

@@ -89,7 +89,7 @@ void PlacementBatch::clear() {
   first_plane.clear();
 }
 
-void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, const EdgeStar& star,
+void gather_placement(const CornerTable& mesh, const FaceHeights& heights, const EdgeStar& star,
                       const PlacementSettings& settings, PlacementBatch& batch) {
   if (batch.first_plane.empty()) batch.first_plane.push_back(0);
   const auto vertices = star.vertices();
@@ -113,17 +113,19 @@ void gather_placement(const CornerTable& mesh, const std::vector<float>& face_di
   double* const lower = &batch.lower[first];
   double* const upper = &batch.upper[first];
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const HeightInterval height = settings.band(face_distance[faces[i]]);
+    const double distance = heights.distance[faces[i]];
+    const HeightInterval height =
+        heights.room == nullptr ? settings.band(distance) : settings.band(distance, (*heights.room)[faces[i]]);
     lower[i] = height.lower;
     upper[i] = height.upper;
   }
 }
 
-void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, std::uint32_t halfedge,
+void gather_placement(const CornerTable& mesh, const FaceHeights& heights, std::uint32_t halfedge,
                       const PlacementSettings& settings, PlacementBatch& batch) {
   EdgeStar star;
   star.walk(mesh, halfedge);
-  gather_placement(mesh, face_distance, star, settings, batch);
+  gather_placement(mesh, heights, star, settings, batch);
 }
 
 void solve_placements(const PlacementSettings& settings, PlacementBatch& batch) {

@@ -66,12 +66,20 @@ struct PlacementBatch {
   void clear();
 };
 
-// Appends the problem of an edge whose star has been walked. face_distance[f] is what the band wants to know of d(c_f,
-// M).
-void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, const EdgeStar& star,
+// What the band wants to know of each face: d(c_f, M), and how far it may go outward, unless that is null.
+struct FaceHeights {
+  FaceHeights(const std::vector<float>& d,
+              const std::vector<float>* r = nullptr)  // NOLINT(google-explicit-constructor)
+      : distance(d), room(r) {}
+  const std::vector<float>& distance;
+  const std::vector<float>* room;
+};
+
+// Appends the problem of an edge whose star has been walked.
+void gather_placement(const CornerTable& mesh, const FaceHeights& heights, const EdgeStar& star,
                       const PlacementSettings& settings, PlacementBatch& batch);
 // The same for an edge by itself.
-void gather_placement(const CornerTable& mesh, const std::vector<float>& face_distance, std::uint32_t halfedge,
+void gather_placement(const CornerTable& mesh, const FaceHeights& heights, std::uint32_t halfedge,
                       const PlacementSettings& settings, PlacementBatch& batch);
 
 // Makes and solves all problems of the batch.

@@ -253,6 +253,24 @@ struct SimplifyOptions {
   std::size_t samples = 20000;  // at which the deviation of the result is measured, on each surface; 0: it is not
 };
 
+// Low-poly meshes (paper sec. 5.4): as few faces as asked for, at the smallest tolerances that allow them, which are
+// found in growing steps. What is convex stays where it is; hollows may be filled as far as the wrap reaches.
+struct LowPolyOptions {
+  std::size_t faces = 300;
+  // The tolerance inside of the input over that outside of it, in (0, 1]. Where the wrap is nearer than the inner one,
+  // that holds outside, too. It holds at the centroids of faces, as in the paper; every point keeps to the outer one.
+  // Without a wrap both are the same.
+  double inner_share = 0.5;
+  TauMode tau_mode = TauMode::strict;
+  Quality quality = Quality::standard;  // how finely the tolerances grow
+  bool flips = true;
+  std::uint64_t seed = 0;
+  int threads = 0;
+  bool accept_inside_out = false;
+  Precision precision = Precision::float64;
+  std::size_t samples = 20000;  // as in SimplifyOptions
+};
+
 // ------------------------------------------------------------------------------------- progress and cancel
 
 // Shared between the caller and a run: the run writes progress, anybody may cancel or set a deadline. Thread-safe. One
@@ -321,7 +339,7 @@ struct Counts {
   std::uint64_t collapses = 0;          // accepted
   std::uint64_t flips_tried = 0;
   std::uint64_t flips = 0;      // accepted
-  std::uint64_t tightened = 0;  // moves of vertices inward
+  std::uint64_t tightened = 0;  // moves of vertices inward, or of low-poly meshes to where they fit
 
   Counts& operator+=(const Counts& other);
 };
@@ -412,16 +430,19 @@ struct TwoSidedDeviation {
 
 struct SimplifyResult {
   Status status = Status::internal_error;
-  std::string message;                         // empty if ok; one sentence for people otherwise
-  Mesh mesh;                                   // empty unless has_mesh()
-  Validation validation;                       // of the input
-  SurfaceCertificate certificate;              // of the mesh
+  std::string message;             // empty if ok; one sentence for people otherwise
+  Mesh mesh;                       // empty unless has_mesh()
+  Validation validation;           // of the input
+  SurfaceCertificate certificate;  // of the mesh
+  double tau_inner = 0;            // input's unit; found by the run where they are not given
+  double tau_outer = 0;
   std::optional<TwoSidedDeviation> deviation;  // of the mesh, if samples were asked for
-  Statistics statistics;                       // its "cage" is the mesh, its tau the larger of the two
+  Statistics statistics;                       // its "cage" is the mesh, its tau the larger of the two tolerances
 
   // The mesh is there and certified.
   bool has_mesh() const {
-    return status == Status::ok || status == Status::face_budget_not_reached || status == Status::cancelled;
+    return !mesh.triangles.empty() && (status == Status::ok || status == Status::face_budget_not_reached ||
+                                       status == Status::cancelled || status == Status::deadline_reached);
   }
 };
 
@@ -435,6 +456,7 @@ struct MeasureOptions {
 
   std::size_t samples = 100000;  // points on each surface, at least one
   std::uint64_t seed = 0;        // of the points
+  std::size_t views = 24;        // in which silhouettes are compared; 0: they are not
   int threads = 0;               // as in Options
 };
 
@@ -452,6 +474,14 @@ struct ThicknessViolation {
   double max = 0;       // over samples, vertices and middles of edges of the cage
   double mean = 0;      // over the area of the cage
   double fraction = 0;  // of the area of the cage that is beyond tau
+};
+
+// By how much the outlines of two meshes differ: the area of the symmetric difference of their silhouettes over that of
+// the input's, in orthographic views from all around.
+struct SilhouetteDeviation {
+  std::size_t views = 0;
+  double mean = 0;
+  double max = 0;
 };
 
 struct SmallestAngles {
@@ -472,10 +502,13 @@ struct CageMeasures {
   double diagonal = 0;  // l, input's unit
   SurfaceDeviation cage_to_input;
   SurfaceDeviation input_to_cage;
-  std::optional<ThicknessViolation> violation;  // if tau was given
-  std::optional<double> volume_ratio;           // cage to input, if both are closed and the input has a volume
-  double area_ratio = 0;                        // cage to input
-  SmallestAngles smallest_angle;                // over the faces of the cage, degrees
+  std::optional<ThicknessViolation> violation;    // if tau was given
+  std::optional<double> volume_ratio;             // cage to input, if both are closed and the input has a volume
+  double area_ratio = 0;                          // cage to input
+  SmallestAngles smallest_angle;                  // over the faces of the cage, degrees
+  std::size_t inverted_faces = 0;                 // of the cage: at none of 15 points of such a face does a face of the
+                                                  // input that is closest there look the same way
+  std::optional<SilhouetteDeviation> silhouette;  // if views were asked for
 
   double hausdorff() const {  // in both directions
     return cage_to_input.hausdorff > input_to_cage.hausdorff ? cage_to_input.hausdorff : input_to_cage.hausdorff;
@@ -569,6 +602,13 @@ Deformation deform(const MeshView& input, const MeshView& cage, const MeshView& 
 // Simplifies a mesh within a tolerance on each side of it: no face turns over, the surface does not intersect itself
 // and keeps its topology. `control` may be null.
 SimplifyResult simplify(const MeshView& input, const SimplifyOptions& options = {}, Control* control = nullptr);
+
+// Makes a low-poly mesh, which keeps the topology of the input: simplification in a band that is wider where hollows
+// are filled, with vertices that then move to where the two surfaces are closest in the mean. `wrap`, which may be
+// null, is a closed surface round the input that passes over what is to be filled, such as a coarse alpha wrap; nothing
+// is demanded of it. `control` may be null.
+SimplifyResult make_low_poly(const MeshView& input, const MeshView* wrap, const LowPolyOptions& options = {},
+                             Control* control = nullptr);
 
 // Certifies a simplified surface from scratch. Both meshes must have indices in range and finite positions; anything
 // else is answered by a certificate that is not valid.

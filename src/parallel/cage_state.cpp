@@ -85,6 +85,7 @@ std::vector<std::uint32_t> sort_along_curve(CageState& state) {
   keep(state.face_normal, order.faces);
   keep(state.dirty, order.vertices);
   if (state.components > 0) keep(state.vertex_component, order.vertices);
+  if (!state.face_room.empty()) keep(state.face_room, order.faces);
   state.best_edge.resize(order.vertices.size());
   state.reselect.assign(order.vertices.size(), 1);
   return std::move(order.faces);

@@ -45,6 +45,9 @@ struct CageState {
   // Where components are in each other's way, since all of them move: how many there are, and that of each vertex.
   std::size_t components = 0;
   std::vector<std::uint32_t> vertex_component;
+
+  // Where a wrap bounds the surface, per face: how far its centroid is from it, 0 beyond it. Else empty.
+  std::vector<float> face_room;
 };
 
 // Distance as a float that is not smaller.

@@ -51,7 +51,8 @@ bool gather_if_legal(const CageState& state, const PlacementSettings& settings, 
     ++scratch.counts.rejected_link;
     return false;
   }
-  gather_placement(state.mesh, state.face_distance, star, settings, scratch.batch);
+  const FaceHeights heights(state.face_distance, state.face_room.empty() ? nullptr : &state.face_room);
+  gather_placement(state.mesh, heights, star, settings, scratch.batch);
   return true;
 }
 

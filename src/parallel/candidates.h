@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "parallel/cage_state.h"
+#include "parallel/parallel_for.h"
 
 namespace prcage {
 
@@ -39,5 +40,23 @@ void keep_cheapest(PlacedCollapses& placed, std::size_t count);
 // For operations that change the edges of all vertices in a quadrilateral: of the given candidates those that are the
 // minimum at the four vertices of their two faces, in the given order.
 std::vector<Candidate> select_independent_flips(const CornerTable& mesh, const std::vector<Candidate>& candidates);
+
+// For operations that move single vertices: of those that are wanted some of which no two are neighbours, chosen at
+// random, as halfedges that begin there.
+template <class Wanted>
+std::vector<Candidate> select_independent_vertices(const CornerTable& mesh, std::uint64_t seed, const Wanted& wanted) {
+  const auto key = [&](std::uint32_t v) { return candidate_key(0, v, seed); };
+  return parallel_gather<Candidate>(mesh.vertex_slots(), 1u << 12, [&](std::size_t begin, std::size_t end, auto& list) {
+    for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
+      if (!wanted(v)) continue;
+      bool least = true;
+      for_each_outgoing(mesh, v, [&](std::uint32_t h) {
+        const std::uint32_t w = mesh.target(h);
+        least = least && (!wanted(w) || key(v) < key(w));
+      });
+      if (least) list.push_back({key(v), mesh.vertex_halfedge[v]});
+    }
+  });
+}
 
 }  // namespace prcage

@@ -42,10 +42,21 @@ double ClosestFace::distance_to_face(const Vec3& x, std::uint32_t face) const {
   return std::sqrt(distance_from(face).squared(x));
 }
 
-bool ClosestFace::behind_face(const Vec3& x, std::uint32_t face) const {
+Vec3 ClosestFace::nearest_point(const Vec3& x, std::uint32_t face) const {
+  const auto weights = distance_from(face).nearest_weights(x);
+  Vec3 point = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) point += weights[k] * vec(positions_[triangles_[face][k]]);
+  return point;
+}
+
+Vec3 ClosestFace::area_normal(std::uint32_t face) const {
   const Triangle& t = triangles_[face];
   const Vec3 a = vec(positions_[t[0]]);
-  return (vec(positions_[t[1]]) - a).cross(vec(positions_[t[2]]) - a).dot(x - a) < 0;
+  return (vec(positions_[t[1]]) - a).cross(vec(positions_[t[2]]) - a);
+}
+
+bool ClosestFace::behind_face(const Vec3& x, std::uint32_t face) const {
+  return area_normal(face).dot(x - vec(positions_[triangles_[face][0]])) < 0;
 }
 
 ClosestFace::Near ClosestFace::nearest(const Vec3& x, std::uint32_t hint) const {

@@ -29,6 +29,10 @@ class ClosestFace {
   Near nearest(const Vec3& x, std::uint32_t hint = none) const;
 
   double distance_to_face(const Vec3& x, std::uint32_t face) const;
+  // The point of the face that is nearest to x.
+  Vec3 nearest_point(const Vec3& x, std::uint32_t face) const;
+  // Normal of the face, twice as long as its area is large.
+  Vec3 area_normal(std::uint32_t face) const;
   // Is x on the inner side of the plane of the face?
   bool behind_face(const Vec3& x, std::uint32_t face) const;
   TriangleDistance distance_from(std::uint32_t face) const;

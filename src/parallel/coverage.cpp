@@ -24,13 +24,15 @@ std::vector<Position> evenly_chosen(std::span<const Position> positions, std::si
 Coverage::Coverage(CoverageSamples samples)
     : sample_(std::move(samples.points)),
       margin_(samples.margin),
+      room_(std::move(samples.room)),
+      least_share_(samples.least_share),
       distance_(sample_.size()),
       next_(sample_.size()),
       face_(sample_.size()),
       face_distance_(sample_.size()) {}
 
 Coverage::Coverage(std::span<const Position> positions, std::size_t most)
-    : Coverage(CoverageSamples{evenly_chosen(positions, most)}) {}
+    : Coverage(CoverageSamples{evenly_chosen(positions, most), 0, {}, 1}) {}
 
 void Coverage::assign(const CageState& state, const UnitFrame& frame, const TreeDevice& device) {
   const CornerTable& mesh = state.mesh;
@@ -60,6 +62,10 @@ void Coverage::renumber(std::span<const std::uint32_t> old_faces) {
   first_ = std::move(first);
 }
 
+double Coverage::bound_of(std::uint32_t sample, double bound) const {
+  return room_.empty() ? bound : std::clamp<double>(room_[sample], least_share_ * bound, bound);
+}
+
 bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBatch& batch, std::size_t i) {
   struct NewFace {
     std::uint32_t number;
@@ -71,6 +77,7 @@ bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBa
     const auto at = [&](int k) { return Vec3(p.p[k][0], p.p[k][1], p.p[k][2]); };
     faces.push_back({batch.face[t], TriangleDistance(at(0), at(1), at(2))});
   }
+  double& rise = rise_[i] = 0;
   for (const std::uint32_t f : batch.removed_faces(i)) {
     for (std::uint32_t s = first_[f]; s != none; s = next_[s]) {
       double least = std::numeric_limits<double>::infinity();
@@ -82,7 +89,8 @@ bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBa
         }
       }
       face_distance_[s] = round_distance_up(std::sqrt(least));
-      if (face_distance_[s] > std::max<double>(bound, distance_[s])) return false;
+      if (face_distance_[s] > std::max<double>(bound_of(s, bound), distance_[s])) return false;
+      rise += least - double{distance_[s]} * distance_[s];
     }
   }
   return true;
@@ -90,6 +98,7 @@ bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBa
 
 void Coverage::test(const CageState& state, double bound, PatchBatch& batch) {
   bound = std::max(bound - margin_, 0.5 * bound);
+  rise_.resize(batch.size());
   parallel_each(batch.size(), 1, [&](std::size_t i) {
     if (batch.alive(i) && !keeps_samples(state, bound, batch, i)) batch.verdict[i] = Verdict::uncovers_input;
   });

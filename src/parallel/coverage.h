@@ -18,6 +18,9 @@ struct CoverageSamples {
   std::vector<Position> points;
   // Distances are kept below the bound by so much, as far as that leaves half of it: for what is between the samples.
   double margin = 0;
+  // Where it is not empty: of each sample, how far it may be, unless that is less than this share of the bound.
+  std::vector<float> room;
+  double least_share = 1;
 };
 
 class Coverage {
@@ -36,19 +39,32 @@ class Coverage {
   // Rejects patches that take a sample farther than `bound` from the faces that it comes to, and farther than it was.
   // Patches of a batch replace different faces.
   void test(const CageState& state, double bound, PatchBatch& batch);
+  // Of the patches that were tested last: by how much the squares of the distances of their samples would rise, in sum.
+  const std::vector<double>& rise() const { return rise_; }
   // Hands on the samples of the accepted patches that were tested last.
   void commit(const PatchBatch& batch);
 
+  std::size_t size() const { return sample_.size(); }
+  // visit(x) for each sample of the face.
+  template <class Visit>
+  void for_each_sample(std::uint32_t face, const Visit& visit) const {
+    for (std::uint32_t s = first_[face]; s != none; s = next_[s]) visit(vec(sample_[s]));
+  }
+
  private:
+  double bound_of(std::uint32_t sample, double bound) const;
   bool keeps_samples(const CageState& state, double bound, const PatchBatch& batch, std::size_t i);
 
   std::vector<Position> sample_;
   double margin_ = 0;
+  std::vector<float> room_;  // empty: no matter
+  double least_share_ = 1;
   std::vector<float> distance_;       // of each sample to its face
   std::vector<std::uint32_t> next_;   // sample: the next one of the same face, or none
   std::vector<std::uint32_t> first_;  // face: its first sample, or none
   std::vector<std::uint32_t> face_;   // sample: where it goes if the patch is accepted
   std::vector<float> face_distance_;  // and how far it is from there
+  std::vector<double> rise_;          // of each patch
 };
 
 }  // namespace prcage

@@ -33,6 +33,8 @@ class DistanceBand {
   Near nearest(const Vec3& x, std::uint32_t hint = none) const { return closest_.nearest(x, hint); }
   double distance_to_face(const Vec3& x, std::uint32_t face) const { return closest_.distance_to_face(x, face); }
   TriangleDistance distance_from(std::uint32_t face) const { return closest_.distance_from(face); }
+  Vec3 nearest_point(const Vec3& x, std::uint32_t face) const { return closest_.nearest_point(x, face); }
+  Vec3 area_normal(std::uint32_t face) const { return closest_.area_normal(face); }
   bool behind_face(const Vec3& x, std::uint32_t face) const { return closest_.behind_face(x, face); }
 
   // An upper bound of the distance of the points of triangle abc to the input, infinity if it is not proved to be at

@@ -8,6 +8,7 @@
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
 #include "parallel/flips.h"
+#include "parallel/refit.h"
 #include "parallel/stopwatch.h"
 
 namespace prcage {
@@ -24,6 +25,9 @@ constexpr double shortest_move = 0.02;
 // Where the thickness is found, tightening begins when the cage has come down to so many times its budget, since it
 // lets smaller thicknesses do. A given thickness is used up first.
 constexpr std::size_t earliest_tightening = 6;
+// Passes of refitting in the end, and what moves are worth it, of the thickness of the cycle.
+constexpr int last_refits = 10;
+constexpr double shortest_refit = 0.005;
 // Of placements that no plane holds: far less than in cages, since it would blunt edges and corners a little each time.
 constexpr double regularization_between_sides = 1e-5;
 // Arrays are compacted and sorted below this share of live faces.
@@ -93,6 +97,7 @@ class Engine {
       }
       if (context_.options->flips && !stopped()) run_flips(cycle);
       if (!stopped()) run_tightening(cycle);
+      if (!stopped()) run_refitting(cycle);
     }
     cycle.faces = state_.live_faces;
     context_.statistics->counts += cycle.counts;
@@ -171,6 +176,7 @@ class Engine {
     });
     timed(seconds.commit, [&] {
       commit_collapses(state_, batch);
+      if (context_.room != nullptr) context_.room->measure(batch, state_);
       if (coverage() != nullptr) coverage()->commit(batch);
     });
     cycle.counts.selected += selected.size();
@@ -187,8 +193,9 @@ class Engine {
   void run_flips(CycleStatistics& cycle) {
     report(Control::Stage::flip, 0.95);
     timed(context_.statistics->seconds.flip, [&] {
-      const FlipSettings flips{limits_, context_.options->seed, coverage(),
-                               many_components() ? context_.input : nullptr, context_.side_test};
+      FlipSettings flips{limits_, context_.options->seed, coverage(), many_components() ? context_.input : nullptr,
+                         context_.side_test};
+      flips.room = context_.room;
       flip_edges(state_, flips, context_.frame, *context_.device, *context_.band, context_.control, cycle.counts);
     });
   }
@@ -211,6 +218,28 @@ class Engine {
       tighten(state_, tightening, *context_.input, context_.frame, *context_.device, *context_.band, context_.control,
               cycle.counts);
     });
+  }
+
+  void run_refitting(CycleStatistics& cycle) {
+    const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
+    const bool soon =
+        finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
+    if (!context_.refits || coverage() == nullptr || !(last || soon)) return;
+    RefitSettings refitting;
+    refitting.limits = limits_;
+    refitting.passes = last ? last_refits : 1;
+    refitting.sample_area = context_.area / static_cast<double>(coverage()->size());
+    refitting.shortest = shortest_refit * limits_.centroids;
+    refitting.float_positions = settings_.float_positions;
+    refitting.seed = context_.options->seed;
+    refitting.coverage = coverage();
+    refitting.side_test = context_.side_test;
+    report(Control::Stage::tighten, 0.97);
+    timed(context_.statistics->seconds.tighten, [&] {
+      cycle.counts.tightened +=
+          refit(state_, refitting, context_.frame, *context_.device, *context_.band, context_.control);
+    });
+    if (context_.room != nullptr) context_.room->measure(state_);
   }
 
   static void count(const PatchBatch& batch, Counts& counts) {

@@ -10,6 +10,7 @@
 #include "parallel/distance_band.h"
 #include "parallel/side_test.h"
 #include "parallel/tighten.h"
+#include "parallel/wrap_room.h"
 
 namespace prcage {
 
@@ -32,9 +33,12 @@ struct EngineContext {
   Control* control;       // may be null
   Statistics* statistics;
   BandShape band_shape = {};
+  const WrapRoom* room = nullptr;          // where a wrap bounds the surface
   const SideTest* side_test = nullptr;     // where the two sides differ and every point is to keep to its own
   std::size_t most_covered_faces = 20000;  // coverage begins when the cage has come down to so many faces
   int attempt = 0, attempts = 1;           // for the progress, where the closest of several cages is taken
+  bool refits = false;                     // vertices move to where the input wants them
+  double area = 0;                         // of the input, if so
   bool estimates = false;                  // only how far the thickness would have to grow is wanted
 };
 

@@ -121,6 +121,14 @@ void test_flips_at_samples(const CageState& state, DistanceBand& band, double ta
   band.absorb();
 }
 
+// A cage keeps outside of the input; a surface that may cut into it would be worn down by flips for the sake of angles.
+void test_coverage(const CageState& state, const FlipSettings& settings, PatchBatch& batch) {
+  settings.coverage->test(state, settings.limits.centroids, batch);
+  if (settings.limits.sides == Sides::outer) return;
+  for (std::size_t i = 0; i < batch.size(); ++i)
+    if (batch.alive(i) && settings.coverage->rise()[i] > 0) batch.verdict[i] = Verdict::uncovers_input;
+}
+
 void block_rejected(const CornerTable& mesh, const PatchBatch& batch, std::vector<std::uint8_t>& blocked) {
   for (std::size_t i = 0; i < batch.size(); ++i) {
     if (batch.alive(i) || batch.verdict[i] == Verdict::conflict) continue;
@@ -149,10 +157,11 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
     if (state.components > 1) reject_sweeps_of_components(state, device, batch);
     reject_hits_on_cage(state, device, batch);
     reject_conflicts(state, device, batch);
-    if (settings.coverage != nullptr) settings.coverage->test(state, settings.limits.centroids, batch);
+    if (settings.coverage != nullptr) test_coverage(state, settings, batch);
     if (settings.side_test != nullptr) settings.side_test->reject_wrong_sides(state, settings.limits, batch);
     block_rejected(state.mesh, batch, blocked);
     commit_flips(state, batch);
+    if (settings.room != nullptr) settings.room->measure(batch, state);
     if (settings.coverage != nullptr) settings.coverage->commit(batch);
     counts.flips_tried += batch.size();
     counts.flips += batch.count(Verdict::accepted);

@@ -7,6 +7,7 @@
 #include "parallel/coverage.h"
 #include "parallel/obstacle.h"
 #include "parallel/side_test.h"
+#include "parallel/wrap_room.h"
 
 namespace prcage {
 
@@ -22,6 +23,7 @@ struct FlipSettings {
   // Degrees. Smallest angles of this size are wide enough: they are not raised for their own sake, and volume may be
   // taken away as long as they stay so.
   double wide_enough = 180;
+  const WrapRoom* room = nullptr;
 };
 
 // Flips until no flip is left, or the caller cancels. The cage is valid after every round.

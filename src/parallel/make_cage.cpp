@@ -11,17 +11,14 @@
 #include <sstream>
 #include <utility>
 
-#include "core/mesh_view.h"
 #include "core/schedule.h"
 #include "parallel/certify.h"
 #include "parallel/deviation.h"
-#include "parallel/engine.h"
 #include "parallel/initial_cage.h"
 #include "parallel/parallel_for.h"
+#include "parallel/pipeline.h"
 #include "parallel/run_safely.h"
 #include "parallel/soup.h"
-#include "parallel/stopwatch.h"
-#include "parallel/validate.h"
 
 namespace prcage {
 namespace {
@@ -49,10 +46,6 @@ constexpr int most_steps = 3;
 constexpr double step_ratio = 32;
 // Of the room between a level and the next, for each of the two; what is left is for rounding.
 constexpr double largest_share_of_gap = 0.49;
-
-void report(Control* control, Control::Stage stage, std::size_t faces, double progress) {
-  if (control != nullptr) control->report(stage, 0, faces, progress);
-}
 
 // Where C_0 could not be freed of conflicts, for people.
 std::string displacement_message(const char* what, const InitialCage& cage, const Mesh& surface) {
@@ -128,10 +121,10 @@ struct Attempt {
   }
 };
 
-class Pipeline {
+class Pipeline : PipelineBase<Result> {
  public:
   Pipeline(const MeshView& input, const Options& options, Control* control, Result& result)
-      : input_(input), options_(options), control_(control), result_(result) {}
+      : PipelineBase(input, control, result), options_(options) {}
 
   // The input is a wrap of the triangles, which then are what is certified to be enclosed. False if there are none.
   bool take_triangles(const MeshView& triangles) {
@@ -148,12 +141,7 @@ class Pipeline {
 
   // False if no cage is to be made of the input.
   bool check_input() {
-    report(control_, Control::Stage::validate, input_.triangle_count, 0);
-    {
-      const Stopwatch watch(seconds().validate);
-      checked_ = std::make_unique<CheckedMesh>(validate_mesh(to_mesh(input_), device_, options_.accept_inside_out));
-      result_.validation = checked_->validation;
-    }
+    validate_input(options_.accept_inside_out);
     describe_input();
     if (!checked_->validation.valid()) {
       fail(Status::invalid_input,
@@ -192,25 +180,9 @@ class Pipeline {
   }
 
  private:
-  StageSeconds& seconds() { return result_.statistics.seconds; }
-  const ValidSurface& valid() const { return checked_->valid; }
   // What the cage must enclose: the input, or the level before.
   const CheckedMesh& enclosed_mesh() const { return before_ ? before_->checked : *checked_; }
   const ValidSurface& inner() const { return enclosed_mesh().valid; }
-
-  void fail(Status status, std::string message) {
-    result_.status = status;
-    result_.message = std::move(message);
-  }
-
-  bool stopped() const { return control_ != nullptr && control_->stopped(); }
-
-  void stop(const std::string& where) {
-    if (control_->cancelled())
-      fail(Status::cancelled, "cancelled" + where);
-    else
-      fail(Status::deadline_reached, "the deadline has passed" + where);
-  }
 
   // Where the thickness is found, a level does not try smaller ones than a cage of its own.
   void pass_over_small_steps(const std::vector<double>& steps) {
@@ -316,13 +288,12 @@ class Pipeline {
 
   void describe_input() {
     Statistics& s = result_.statistics;
-    s.diagonal = result_.validation.diagonal;
     thickness_ = thickness_steps(options_, s.diagonal, result_.validation.area);
     s.tau = thickness_.back();
   }
 
   InitialCage displaced_input() {
-    report(control_, Control::Stage::displace, valid().surface.mesh.triangles.size(), 0.03);
+    report(Control::Stage::displace, valid().surface.mesh.triangles.size(), 0.03);
     const Stopwatch watch(seconds().displace);
     DisplacementSettings settings;
     settings.step = options_.sigma * result_.statistics.diagonal;
@@ -440,15 +411,7 @@ class Pipeline {
   }
 
   void finish(const CageState& state) {
-    Mesh cage = state.mesh.to_mesh();
-    const bool as_floats = options_.precision == Precision::float32;
-    // Collapses place vertices on floats; those that never moved since C_0 are still doubles.
-    if (as_floats)
-      for (Position& p : cage.positions) p = round_to_floats(vec(p));
-    Statistics& s = result_.statistics;
-    s.cage_vertices = cage.positions.size();
-    s.cage_faces = cage.triangles.size();
-    report(control_, Control::Stage::certify, s.cage_faces, 0.95);
+    Mesh cage = take_mesh(state, options_.precision);
     {
       const Stopwatch watch(seconds().certify);
       const Validation& v = result_.validation;
@@ -457,15 +420,12 @@ class Pipeline {
       if (before_) result_.around_previous = certify_cage(device_, enclosed(before_->checked), cage);
     }
     if (!result_.certificate.valid() || (before_ && !result_.around_previous->valid())) {
-      fail(Status::certificate_failed,
-           as_floats ? "the cage does not survive the rounding of its coordinates to floats; store it in a format that "
-                       "holds doubles"
-                     : "the cage failed its certificate; this is a defect of prcage, please report it");
+      fail_certificate("the cage", options_.precision);
       return;
     }
     result_.cage = std::move(cage);
     conclude();
-    report(control_, Control::Stage::done, s.cage_faces, 1);
+    report(Control::Stage::done, result_.cage.triangles.size(), 1);
   }
 
   void conclude() {
@@ -500,13 +460,7 @@ class Pipeline {
     return text.str();
   }
 
-  const MeshView& input_;
   Options options_;
-  Control* control_;
-  Result& result_;
-  TreeDevice device_;
-  std::vector<double> thickness_;  // of each cycle
-  std::unique_ptr<CheckedMesh> checked_;
   std::unique_ptr<Soup> soup_;           // null: the input itself is enclosed
   std::unique_ptr<LevelBefore> before_;  // null: the first level
   std::vector<float> reach_;             // of each face of the cage: bounds the distance of its points to the input
@@ -514,8 +468,7 @@ class Pipeline {
   double share_ = 1;                     // of every thickness, for this level
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::size_t first_step_ = 0;  // of the thicknesses: where this level begins
-  EngineOutcome outcome_ = EngineOutcome::schedule_finished;
-  bool no_tau_helps_ = false;  // to reach the face budget
+  bool no_tau_helps_ = false;   // to reach the face budget
 };
 
 template <class RunPipeline>

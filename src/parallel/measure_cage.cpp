@@ -16,7 +16,9 @@
 #include "parallel/arena.h"
 #include "parallel/certify.h"
 #include "parallel/closest_face.h"
+#include "parallel/inverted_faces.h"
 #include "parallel/parallel_for.h"
+#include "parallel/silhouette.h"
 
 namespace prcage {
 namespace {
@@ -50,6 +52,7 @@ class Surface {
   bool closed() const { return closed_; }
   std::size_t edge_count() const { return edges_.size(); }
   const Vec3& normal(std::uint32_t face) const { return normals_[face]; }  // unit length; zero if there is none
+  const SurfaceTree& tree() const { return tree_; }
   ClosestFace closest_face() const { return {mesh_.positions, mesh_.triangles, tree_.frame(), tree_.tree()}; }
 
   Vec3 edge_middle(std::size_t e) const {
@@ -206,6 +209,9 @@ class Evaluation {
     measure_sizes();
     measure_distances();
     measures_.smallest_angle = smallest_angles(cage_.mesh());
+    measures_.inverted_faces = count_inverted_faces(device_, input_.tree(), cage_.tree());
+    if (options_.views > 0)
+      measures_.silhouette = measure_silhouettes(device_, frame_, input_.mesh(), cage_.mesh(), options_.views);
   }
 
  private:

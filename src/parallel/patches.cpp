@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "core/lattice.h"
 #include "core/patch_gap.h"
 #include "core/predicates.h"
 #include "core/projection.h"
@@ -295,6 +296,21 @@ void sign_distance(const CageState& state, const DistanceBand& band, const BandL
   if (band.behind_face(centroid, near.face)) near.distance = -near.distance;
 }
 
+// Does the new face look the same way, by less than a right angle, as the face of the input that is closest to one of
+// its points at least? As inverted_faces.h counts; nearly always the first point answers.
+bool looks_as_the_input(const CageState& state, const DistanceBand& band, const PatchBatch& batch, std::size_t t) {
+  const TriangleRef p = patch_triangle(state.mesh, batch, t);
+  const Corners corners = corners_of(state, batch, t);
+  std::uint32_t near = batch.near[t].face;
+  bool looks = false;
+  for_each_lattice_point([&](const Barycentric& weights) {
+    if (looks) return;
+    near = band.nearest(at(corners, weights), near).face;
+    looks = certainly_faces(band.area_normal(near), p.p[0], p.p[1], p.p[2]);
+  });
+  return looks;
+}
+
 // Is the vertex that moves out of reach for certain? Spares the measuring of faces that cannot be within it.
 bool moves_too_far(const CageState& state, const DistanceBand& band, const BandLimits& limits, const PatchBatch& batch,
                    std::size_t i) {
@@ -303,10 +319,10 @@ bool moves_too_far(const CageState& state, const DistanceBand& band, const BandL
   return near_with_hint(band, vec(batch.point[i]), hint, limits.centroids).distance > limits.reach;
 }
 
-// Fills in `near` and `reach` of a patch; false if it is not proved to be within reach. The gap to what the patch
+// Fills in `near` and `reach` of a patch; not accepted if it is not proved to be within reach. The gap to what the patch
 // replaces comes first where it can spare the measuring of faces, else only where that does not prove them.
-bool measure_patch(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
-                   std::size_t i) {
+Verdict measure_patch(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
+                      std::size_t i) {
   const double enough = near_enough * limits.centroids, removed = removed_reach(state, batch, i);
   double inherited = unknown;  // bound for all faces, by what is known of the old ones
   const auto inherits = [&] {
@@ -314,26 +330,28 @@ bool measure_patch(const CageState& state, DistanceBand& band, const BandLimits&
     return inherited <= limits.reach || !moves_too_far(state, band, limits, batch, i);
   };
   bool asked = removed <= enough;
-  if (asked && !inherits()) return false;
+  if (asked && !inherits()) return Verdict::beyond_tau;
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
     batch.reach[t] = inherited;
     batch.near[t] = {state.face_near[batch.face[t]], inherited};
     if (inherited > enough) measure_face(state, band, enough, batch, t);
     if (batch.reach[t] > limits.reach && !asked) {
       asked = true;
-      if (!inherits()) return false;
+      if (!inherits()) return Verdict::beyond_tau;
       lower_reach(batch, t, inherited);
     }
     if (batch.reach[t] > limits.reach) {
       const auto [a, b, c] = corners_of(state, batch, t);
       lower_reach(batch, t, band.reach(a, b, c, limits.reach, batch.near[t].distance <= limits.reach));
     }
-    if (batch.reach[t] > limits.reach) return false;
+    if (batch.reach[t] > limits.reach) return Verdict::beyond_tau;
     // The constraints of a collapse keep centroids within the thickness of the cycle; nothing else does so for moves.
-    if (batch.is_move(i) && batch.near[t].distance > limits.centroids) return false;
-    if (limits.sides == Sides::both) sign_distance(state, band, limits, batch, t);
+    if (batch.is_move(i) && batch.near[t].distance > limits.centroids) return Verdict::beyond_tau;
+    if (limits.sides == Sides::outer) continue;
+    sign_distance(state, band, limits, batch, t);
+    if (!looks_as_the_input(state, band, batch, t)) return Verdict::turns_over;
   }
-  return true;
+  return Verdict::accepted;
 }
 
 }  // namespace
@@ -421,7 +439,7 @@ void test_patches_against_band(const CageState& state, DistanceBand& band, const
                                PatchBatch& batch) {
   // Few at a time: a large patch takes as long as thousands of small ones.
   parallel_each(batch.size(), 2, [&](std::size_t i) {
-    if (batch.alive(i) && !measure_patch(state, band, limits, batch, i)) batch.verdict[i] = Verdict::beyond_tau;
+    if (batch.alive(i)) batch.verdict[i] = measure_patch(state, band, limits, batch, i);
   });
   band.absorb();
 }

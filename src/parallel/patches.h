@@ -19,7 +19,7 @@ namespace prcage {
 enum class Verdict : std::uint8_t {
   accepted,
   sweeps_inward,   // exact orientation: the cage would move inside one of its faces
-  turns_over,      // a new face would look away from those that it replaces: bands on both sides
+  turns_over,      // a new face would look away from those that it replaces or from the input: bands on both sides
   degenerate,      // a new face is degenerate, or the patch meets itself
   beyond_tau,      // not proved to be within tau of the input
   hits_cage,       // meets the rest of the cage
@@ -123,7 +123,8 @@ struct BandLimits {
   double inner = std::numeric_limits<double>::infinity();  // and inside, if there are two sides
 };
 
-// Finds an input face near each new centroid, and rejects patches that are not proved to be within reach.
+// Finds an input face near each new centroid, and rejects patches that are not proved to be within reach; in a band on
+// both sides also those with a face that looks away from all of the input that is known near it.
 void test_patches_against_band(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch);
 
 }  // namespace prcage

@@ -1,4 +1,5 @@
-// The pipeline behind simplify(): validate, run the engine in a band on both sides of the input, certify from scratch.
+// The pipeline behind simplify() and make_low_poly(): validate, run the engine in a band on both sides of the input,
+// certify from scratch.
 //
 // The first state is the input itself, zero-area faces repaired: nothing has to be moved off it. Each operation keeps
 // what the certificate claims in the end: the link condition the topology, exact tests of the new faces against each
@@ -12,14 +13,14 @@
 #include <vector>
 
 #include "core/area_samples.h"
-#include "core/mesh_view.h"
 #include "core/schedule.h"
 #include "parallel/certify.h"
 #include "parallel/deviation.h"
-#include "parallel/engine.h"
 #include "parallel/initial_cage.h"
+#include "parallel/parallel_for.h"
+#include "parallel/pipeline.h"
 #include "parallel/run_safely.h"
-#include "parallel/validate.h"
+#include "parallel/wrap_room.h"
 
 namespace prcage {
 namespace {
@@ -29,35 +30,76 @@ namespace {
 constexpr std::size_t most_vertices = 60000;
 constexpr std::size_t most_spread = 120000;
 constexpr double spacing_share = 1.0 / 8;
+// Low-poly meshes farther from the input, relative to l, are none of it any more.
+constexpr double largest_low_poly_tolerance = 0.1;
 // What the distance may rise by between samples, in spacings of these.
 constexpr double rise_between = 0.4;
 
+// What is asked of a run, whichever function asks.
+struct Task {
+  Options engine;             // its thickness is the larger tolerance
+  BandShape shape;            // both, relative to that
+  bool strict_sides = false;  // every point keeps to the tolerance of its own side, not to the larger one only
+  double most_thickness = 1;  // relative to l: where the search for one ends
+  std::size_t samples = 0;
+  const MeshView* wrap = nullptr;
+};
+
 double tau_of(const SimplifyOptions& options) { return std::max(options.tau_inner, options.tau_outer); }
 
-// What the engine reads of them. Its thickness is the larger tolerance.
-Options engine_options(const SimplifyOptions& options) {
-  Options engine;
-  engine.tau = options.absolute ? 1 : tau_of(options);
-  engine.tau_absolute = options.absolute ? tau_of(options) : 0;
-  engine.tau_mode = options.tau_mode;
-  engine.bound = options.bound;
-  engine.cycles = options.cycles;
-  engine.schedule = options.schedule;
-  engine.face_budget = options.face_budget;
-  engine.flips = options.flips;
-  engine.seed = options.seed;
-  engine.threads = options.threads;
-  engine.precision = options.precision;
-  return engine;
+// What the options of all have in common.
+template <class AnyOptions>
+Task task_of(const AnyOptions& options) {
+  Task task;
+  task.engine.tau_mode = options.tau_mode;
+  task.engine.flips = options.flips;
+  task.engine.seed = options.seed;
+  task.engine.threads = options.threads;
+  task.engine.accept_inside_out = options.accept_inside_out;
+  task.engine.precision = options.precision;
+  task.samples = options.samples;
+  return task;
 }
 
-std::string simplify_options_error(const SimplifyOptions& options) {
+Task simplification(const SimplifyOptions& options) {
+  Task task = task_of(options);
+  task.engine.tau = options.absolute ? 1 : tau_of(options);
+  task.engine.tau_absolute = options.absolute ? tau_of(options) : 0;
+  task.engine.bound = options.bound;
+  task.engine.cycles = options.cycles;
+  task.engine.schedule = options.schedule;
+  task.engine.face_budget = options.face_budget;
+  task.shape = {Sides::both, options.tau_outer / tau_of(options), options.tau_inner / tau_of(options)};
+  task.strict_sides = options.tau_mode == TauMode::strict && options.tau_inner != options.tau_outer;
+  return task;
+}
+
+// The engine finds the thickness that allows the faces.
+Task low_poly(const LowPolyOptions& options, const MeshView* wrap) {
+  Task task = task_of(options);
+  task.engine.tau = 0;
+  task.most_thickness = largest_low_poly_tolerance;
+  task.engine.bound = Bound::both;
+  task.engine.quality = options.quality;
+  task.engine.face_budget = options.faces;
+  task.shape = {Sides::both, 1, wrap == nullptr ? 1 : options.inner_share};
+  task.wrap = wrap;
+  return task;
+}
+
+std::string error_in(const SimplifyOptions& options) {
   for (const double tau : {options.tau_inner, options.tau_outer}) {
     if (!(tau > 0 && std::isfinite(tau)) || (!options.absolute && tau > 1))
       return options.absolute ? "tau_inner and tau_outer must be positive and finite"
                               : "tau_inner and tau_outer must be in (0, 1]";
   }
-  return options_error(engine_options(options));
+  return options_error(simplification(options).engine);
+}
+
+std::string error_in(const LowPolyOptions& options) {
+  if (options.faces == 0) return "faces must be at least one";
+  if (!(options.inner_share > 0 && options.inner_share <= 1)) return "inner_share must be in (0, 1]";
+  return options_error(low_poly(options, nullptr).engine);
 }
 
 CoverageSamples samples_of(const Mesh& surface, double area, double tau) {
@@ -72,24 +114,16 @@ CoverageSamples samples_of(const Mesh& surface, double area, double tau) {
   return samples;
 }
 
-class Simplification {
+class Simplification : PipelineBase<SimplifyResult> {
  public:
-  Simplification(const MeshView& input, const SimplifyOptions& options, Control* control, SimplifyResult& result)
-      : input_(input),
-        options_(options),
-        engine_options_(engine_options(options)),
-        control_(control),
-        result_(result) {}
+  Simplification(const MeshView& input, const Task& task, Control* control, SimplifyResult& result)
+      : PipelineBase(input, control, result), task_(task), options_(task.engine) {}
 
   void run() {
-    report(Control::Stage::validate, input_.triangle_count, 0);
-    {
-      const Stopwatch watch(seconds().validate);
-      checked_ = std::make_unique<CheckedMesh>(validate_mesh(to_mesh(input_), device_, options_.accept_inside_out));
-      result_.validation = checked_->validation;
-    }
-    result_.statistics.diagonal = result_.validation.diagonal;
-    thickness_ = thickness_steps(engine_options_, result_.validation.diagonal, result_.validation.area);
+    validate_input(options_.accept_inside_out);
+    thickness_ = thickness_steps(options_, result_.validation.diagonal, result_.validation.area);
+    while (thickness_.size() > 1 && thickness_.back() > task_.most_thickness * result_.validation.diagonal)
+      thickness_.pop_back();
     result_.statistics.tau = thickness_.back();
     if (!checked_->validation.valid()) {
       fail(Status::invalid_input, "the input is not a legal mesh: see the defects");
@@ -101,18 +135,7 @@ class Simplification {
   }
 
  private:
-  StageSeconds& seconds() { return result_.statistics.seconds; }
-  const ValidSurface& valid() const { return checked_->valid; }
   const Mesh& surface() const { return checked_->valid.surface.mesh; }
-
-  void report(Control::Stage stage, std::size_t faces, double progress) {
-    if (control_ != nullptr) control_->report(stage, 0, faces, progress);
-  }
-
-  void fail(Status status, std::string message) {
-    result_.status = status;
-    result_.message = std::move(message);
-  }
 
   CageState first_state() const {
     CageState state;
@@ -131,14 +154,15 @@ class Simplification {
   void collapse(CageState& state) {
     const SurfaceTree& tree = valid().tree;
     DistanceBand band(surface().positions, surface().triangles, tree.frame(), tree.tree());
+    SurfaceTree wrap(device_);
+    std::optional<WrapRoom> room;
+    if (task_.wrap != nullptr && build_wrap(wrap)) room.emplace(wrap).measure(state);
     std::optional<Coverage> coverage;
-    if (options_.bound == Bound::both)
-      coverage.emplace(samples_of(surface(), result_.validation.area, thickness_.back()));
+    if (options_.bound == Bound::both) coverage.emplace(samples(room ? &*room : nullptr));
     const SideTest side_test(tree, band, device_);
-    const bool sides_differ = options_.tau_inner != options_.tau_outer && options_.tau_mode == TauMode::strict;
 
     EngineContext context{};
-    context.options = &engine_options_;
+    context.options = &options_;
     context.diagonal = result_.statistics.diagonal;
     context.thickness = thickness_;
     context.frame = tree.frame();
@@ -147,85 +171,98 @@ class Simplification {
     context.coverage = coverage ? &*coverage : nullptr;
     context.control = control_;
     context.statistics = &result_.statistics;
-    context.band_shape = {Sides::both, options_.tau_outer / tau_of(options_), options_.tau_inner / tau_of(options_)};
-    context.side_test = sides_differ ? &side_test : nullptr;
+    context.band_shape = task_.shape;
+    context.room = room ? &*room : nullptr;
+    context.side_test = task_.strict_sides ? &side_test : nullptr;
     context.most_covered_faces = no_limit;
+    context.refits = finds_thickness(options_);
+    context.area = result_.validation.area;
     outcome_ = run_engine(state, context);
-    result_.statistics.band_voxels = band.voxels_filled();
+    Statistics& s = result_.statistics;
+    if (finds_thickness(options_)) s.tau = s.cycles.empty() ? thickness_.front() : s.cycles.back().tau;
+    s.band_voxels = band.voxels_filled();
+    result_.tau_inner = s.tau * task_.shape.inner;
+    result_.tau_outer = s.tau * task_.shape.outer;
+  }
+
+  // What is near the wrap is anchored: it has the inner tolerance in both directions.
+  CoverageSamples samples(const WrapRoom* room) const {
+    CoverageSamples samples = samples_of(surface(), result_.validation.area,
+                                         finds_thickness(options_) ? thickness_.front() : thickness_.back());
+    if (room == nullptr) return samples;
+    samples.least_share = task_.shape.inner;
+    samples.room.resize(samples.points.size());
+    parallel_each(samples.points.size(), 256,
+                  [&](std::size_t s) { samples.room[s] = room->at(vec(samples.points[s])); });
+    return samples;
+  }
+
+  // False if there is nothing of it that could be a guide.
+  bool build_wrap(SurfaceTree& tree) {
+    SubMesh used;
+    if (!well_formed(to_mesh(*task_.wrap), used)) return false;
+    wrap_ = std::move(used.mesh);
+    tree.build(unit_frame(wrap_.positions), wrap_.positions, wrap_.triangles, TreeQuality::fast_query);
+    return true;
   }
 
   void finish(const CageState& state) {
-    Mesh mesh = state.mesh.to_mesh();
-    const bool as_floats = options_.precision == Precision::float32;
-    // Collapses place vertices on floats; those that have not moved may be doubles.
-    if (as_floats)
-      for (Position& p : mesh.positions) p = round_to_floats(vec(p));
-    Statistics& s = result_.statistics;
-    s.cage_vertices = mesh.positions.size();
-    s.cage_faces = mesh.triangles.size();
-    report(Control::Stage::certify, s.cage_faces, 0.95);
+    Mesh mesh = take_mesh(state, options_.precision);
     {
       const Stopwatch watch(seconds().certify);
-      const Validation& v = result_.validation;
-      const Simplified input{valid().tree.frame(), v.components, v.cavities, euler_characteristic()};
+      const Validation& v = result_.validation;  // of the input as given: its zero-area faces change nothing in it
+      const Simplified input{valid().tree.frame(), v.components, v.cavities, v.euler_characteristic};
       result_.certificate = certify_simplified(device_, input, mesh);
     }
     if (!result_.certificate.valid()) {
-      fail(Status::certificate_failed,
-           as_floats ? "the surface does not survive the rounding of its coordinates to floats; store it in a format "
-                       "that holds doubles"
-                     : "the surface failed its certificate; this is a defect of prcage, please report it");
+      fail_certificate("the surface", options_.precision);
       return;
     }
     measure(mesh);
     result_.mesh = std::move(mesh);
     conclude();
-    report(Control::Stage::done, s.cage_faces, 1);
+    report(Control::Stage::done, result_.mesh.triangles.size(), 1);
   }
 
-  // Of the input as given: its zero-area faces change nothing in it.
-  long long euler_characteristic() const { return result_.validation.euler_characteristic; }
-
   void measure(const Mesh& mesh) {
-    if (options_.samples == 0) return;
+    if (task_.samples == 0) return;
     const Stopwatch watch(seconds().certify);
     SurfaceTree tree(device_);
     tree.build(valid().tree.frame(), mesh.positions, mesh.triangles, TreeQuality::fast_query);
-    result_.deviation = measure_deviation(device_, valid().tree, tree, result_.statistics.diagonal, options_.samples);
+    result_.deviation = measure_deviation(device_, valid().tree, tree, result_.statistics.diagonal, task_.samples);
   }
 
   void conclude() {
     if (outcome_ == EngineOutcome::stopped) {
-      const bool cancelled = control_->cancelled();
-      fail(
-          cancelled ? Status::cancelled : Status::deadline_reached,
-          std::string(cancelled ? "cancelled" : "the deadline has passed") + "; the surface is valid but not finished");
+      stop("; the surface is valid but not finished");
     } else if (outcome_ == EngineOutcome::schedule_finished && options_.face_budget != 0) {
-      fail(Status::face_budget_not_reached, "the tolerances allow no fewer than " +
-                                                std::to_string(result_.statistics.cage_faces) +
-                                                " faces; larger ones allow fewer");
+      const std::string faces = std::to_string(result_.statistics.cage_faces) + " faces";
+      fail(Status::face_budget_not_reached,
+           finds_thickness(options_) ? "no tolerance allows fewer than " + faces
+                                     : "the tolerances allow no fewer than " + faces + "; larger ones allow fewer");
     } else {
       result_.status = Status::ok;
     }
   }
 
-  const MeshView& input_;
-  const SimplifyOptions& options_;
-  const Options engine_options_;
-  Control* control_;
-  SimplifyResult& result_;
-  TreeDevice device_;
-  std::vector<double> thickness_;  // of each cycle
-  std::unique_ptr<CheckedMesh> checked_;
-  EngineOutcome outcome_ = EngineOutcome::schedule_finished;
+  const Task& task_;
+  const Options& options_;
+  Mesh wrap_;
 };
 
 }  // namespace
 
 SimplifyResult simplify(const MeshView& input, const SimplifyOptions& options, Control* control) {
-  return run_safely<SimplifyResult>(
-      input, simplify_options_error(options), options.threads,
-      [&](SimplifyResult& result) { Simplification(input, options, control, result).run(); });
+  return run_safely<SimplifyResult>(input, error_in(options), options.threads, [&](SimplifyResult& result) {
+    Simplification(input, simplification(options), control, result).run();
+  });
+}
+
+SimplifyResult make_low_poly(const MeshView& input, const MeshView* wrap, const LowPolyOptions& options,
+                             Control* control) {
+  return run_safely<SimplifyResult>(input, error_in(options), options.threads, [&](SimplifyResult& result) {
+    Simplification(input, low_poly(options, wrap), control, result).run();
+  });
 }
 
 }  // namespace prcage

@@ -114,23 +114,6 @@ bool widens(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
   return after > least_widening * before && volume <= 0;
 }
 
-// Vertices that have a move, none of them next to another.
-std::vector<Candidate> select_independent_moves(const CornerTable& mesh, const std::vector<Move>& moves,
-                                                std::uint64_t seed) {
-  const auto key = [&](std::uint32_t v) { return candidate_key(0, v, seed); };
-  return parallel_gather<Candidate>(moves.size(), 1u << 12, [&](std::size_t begin, std::size_t end, auto& list) {
-    for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
-      if (!(moves[v].length > 0)) continue;
-      bool least = true;
-      for_each_outgoing(mesh, v, [&](std::uint32_t h) {
-        const std::uint32_t w = mesh.target(h);
-        least = least && (!(moves[w].length > 0) || key(v) < key(w));
-      });
-      if (least) list.push_back({key(v), mesh.vertex_halfedge[v]});
-    }
-  });
-}
-
 enum class MoveKind { inward, tilted, widening };
 
 class Tightening {
@@ -177,7 +160,8 @@ class Tightening {
     });
     for (std::uint64_t round = 0; !stopped(); ++round) {
       parallel_each(moves_.size(), 256, [&](std::size_t i) { shorten(kind, static_cast<std::uint32_t>(i)); });
-      const std::vector<Candidate> selected = select_independent_moves(mesh, moves_, settings_.seed + round);
+      const auto wanted = [&](std::uint32_t v) { return moves_[v].length > 0; };
+      const std::vector<Candidate> selected = select_independent_vertices(mesh, settings_.seed + round, wanted);
       if (selected.empty()) break;
       try_moves(selected);
     }
