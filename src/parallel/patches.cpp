@@ -319,8 +319,8 @@ bool moves_too_far(const CageState& state, const DistanceBand& band, const BandL
   return near_with_hint(band, vec(batch.point[i]), hint, limits.centroids).distance > limits.reach;
 }
 
-// Fills in `near` and `reach` of a patch; not accepted if it is not proved to be within reach. The gap to what the patch
-// replaces comes first where it can spare the measuring of faces, else only where that does not prove them.
+// Fills in `near` and `reach` of a patch; not accepted if it is not proved to be within reach. The gap to what the
+// patch replaces comes first where it can spare the measuring of faces, else only where that does not prove them.
 Verdict measure_patch(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
                       std::size_t i) {
   const double enough = near_enough * limits.centroids, removed = removed_reach(state, batch, i);
