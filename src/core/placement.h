@@ -68,9 +68,8 @@ struct PlacementBatch {
 
 // What the band wants to know of each face: d(c_f, M), and how far it may go outward, unless that is null.
 struct FaceHeights {
-  FaceHeights(const std::vector<float>& d,
-              const std::vector<float>* r = nullptr)  // NOLINT(google-explicit-constructor)
-      : distance(d), room(r) {}
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  FaceHeights(const std::vector<float>& d, const std::vector<float>* r = nullptr) : distance(d), room(r) {}
   const std::vector<float>& distance;
   const std::vector<float>* room;
 };

@@ -247,8 +247,10 @@ class Pipeline : PipelineBase<Result> {
     settings.step = std::min(options_.sigma * result_.statistics.diagonal, settings.longest_move);
     const ValidSurface& surface = level.checked.valid;
     level.next.valid = false;
-    for (int i = 0; i < most_steps && !level.next.valid && !stopped(); ++i, settings.step /= step_ratio)
+    for (int i = 0; i < most_steps && !level.next.valid && !stopped(); ++i) {
       level.next = displace(surface.surface.mesh, surface.tree, settings, device_);
+      settings.step /= step_ratio;
+    }
   }
 
   void keep_level(std::unique_ptr<LevelBefore> level, std::vector<Result>& levels) {
@@ -344,7 +346,7 @@ class Pipeline : PipelineBase<Result> {
     bool cut_short = false;
     for (; context.attempt < context.attempts && !cut_short; ++context.attempt) {
       const bool last = context.attempt + 1 == context.attempts;
-      Attempt attempt{last ? std::move(state) : state, s};
+      Attempt attempt{last ? std::exchange(state, {}) : state, s};
       attempt.statistics.seconds = spent;
       run_attempt(attempt, context);
       spent = attempt.statistics.seconds;

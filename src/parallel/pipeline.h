@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/mesh_view.h"
@@ -30,9 +29,9 @@ class PipelineBase {
     if (control_ != nullptr) control_->report(stage, 0, faces, progress);
   }
 
-  void fail(Status status, std::string message) {
+  void fail(Status status, const std::string& message) {
     result_.status = status;
-    result_.message = std::move(message);
+    result_.message = message;
   }
 
   // For a run that has been stopped; `where` goes on with the sentence.
