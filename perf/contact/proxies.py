@@ -1,4 +1,5 @@
 """Inputs and their proxies: which programs make them, and what `prcage check` says of each."""
+import functools
 import json
 import pathlib
 import subprocess
@@ -94,6 +95,7 @@ def face_count(program, mesh):
     return measures(program, mesh)["faces"]
 
 
+@functools.cache  # the cloth falls on what is piled up, too
 def make_proxies(build, mesh, tau, directory):
     """The cage as coarse as tau allows, and the rivals of at most as many faces; a rival without a result is left
     out, and said so in `failed`."""

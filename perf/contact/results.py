@@ -77,7 +77,7 @@ def box_panel(scene, tag):
         values = [f"{max(row['energy'], LEAST_ENERGY):g}" for row in at_rest(run["frames"])]
         script += block(f"{tag}box{i}", values)
         plots.append(f"${tag}box{i} using ({i + 1}):1 notitle linecolor {i + 1}")
-        labels.append(f'"{name.replace(" ", chr(92) + "n", 1)}" {i + 1}')
+        labels.append(f'"{name}" {i + 1}')
     return script + [f'set title "{scene["kind"]}: {scene["name"]}, frames {REST[0]} to {REST[1]}"',
                      "set style data boxplot", f"set xtics ({', '.join(labels)})", f"set xrange [0.4:{len(plots)}.6]",
                      "plot " + ", ".join(plots)]
@@ -89,18 +89,18 @@ def curve_panel(scene, tag):
     for i, (name, run) in enumerate(scene["runs"].items()):
         script += block(f"{tag}curve{i}", [f"{row['frame']} {max(row['energy'], LEAST_ENERGY):g}"
                                            for row in run["frames"]])
-        plots.append(f'${tag}curve{i} using 1:2 with lines linewidth 1.5 linecolor {i + 1} title "{name}"')
+        plots.append(f'${tag}curve{i} using 1:2 with lines linewidth 1.5 linecolor {i + 1} notitle')
     return script + [f'set title "{scene["kind"]}: {scene["name"]}"', "set style data lines", "set xtics autofreq",
                      "set xrange [0:*]", "plot " + ", ".join(plots)]
 
 
 def figure(scenes, path):
-    """One row a scene: curves left, boxes right; logarithms of the energy in J."""
+    """One row a scene: curves left, boxes right, which name the colours; logarithms of the energy in J."""
     height = 300 * len(scenes)
     script = [f'set terminal svg size 1000,{height} font "sans,12" background "white"', f'set output "{path}"',
               f"set multiplot layout {len(scenes)},2", "set logscale y", "set format y '10^{%L}'", "set grid y",
               'set ylabel "kinetic energy, J"', "set style boxplot nooutliers", "set boxwidth 0.5",
-              "set key bottom left", "set style fill solid 0.3"]
+              'set xtics font ",10"', "set style fill solid 0.3"]
     for i, scene in enumerate(scenes):
         script += curve_panel(scene, f"s{i}") + box_panel(scene, f"s{i}")
     subprocess.run(["gnuplot"], input="\n".join(script) + "\nunset multiplot\n", text=True, check=True)

@@ -73,7 +73,8 @@ def draw(job):
             painted("cloth", cloth)
     make_camera(scene, COLUMN * len(columns), ROW * len(frames), axes)
     make_light(scene)
-    scene.render.engine, scene.cycles.samples, scene.cycles.seed = "CYCLES", 48, 0
+    scene.render.engine, scene.cycles.samples, scene.cycles.seed = "CYCLES", 64, 0
+    scene.cycles.use_denoising = False  # Debian builds Blender without a denoiser
     scene.view_settings.view_transform = "Standard"
     scene.render.image_settings.file_format, scene.render.image_settings.quality = "JPEG", 82
     scene.render.filepath = job["picture"]
