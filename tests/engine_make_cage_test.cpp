@@ -527,7 +527,7 @@ TEST(MakeCageTighteningSlow, LeavesLessBetweenCageAndInput) {
 }
 
 TEST(MakeCageTightening, IsTheSameForAnyNumberOfThreads) {
-  const Mesh input = shape("knot", 2000);
+  const Mesh input = shape("knot", 800);
   const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 4);
   Options options = options_for(200, Quality::standard);
   options.threads = 1;
