@@ -1,5 +1,5 @@
 """Inputs and their proxies: which programs make them, and what `prcage check` says of each."""
-import functools
+import hashlib
 import json
 import pathlib
 import subprocess
@@ -95,8 +95,24 @@ def face_count(program, mesh):
     return measures(program, mesh)["faces"]
 
 
-@functools.cache  # the cloth falls on what is piled up, too
+def digest(*files):
+    return hashlib.sha256(b"".join(pathlib.Path(file).read_bytes() for file in files)).hexdigest()
+
+
 def make_proxies(build, mesh, tau, directory):
+    """Those of an earlier run, if neither the mesh nor a program has changed; new ones otherwise."""
+    programs = [build / program for program in ("prcage", *(rival for _, rival in RIVALS))]
+    key = [tau, digest(mesh, *programs)]
+    record = directory / f"{mesh.stem}.proxies.json"
+    known = json.loads(record.read_text()) if record.exists() else {}
+    if known.get("key") != key:
+        made, failed = new_proxies(build, mesh, tau, directory)
+        known = {"key": key, "made": made, "failed": failed}
+        record.write_text(json.dumps(known))
+    return known["made"], known["failed"]
+
+
+def new_proxies(build, mesh, tau, directory):
     """The cage as coarse as tau allows, and the rivals of at most as many faces; a rival without a result is left
     out, and said so in `failed`."""
     program = build / "prcage"
