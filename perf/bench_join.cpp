@@ -45,7 +45,7 @@ void join_of_cage_and_input(benchmark::State& state) {
   const Workload& workload = bumpy_workload(100);
   BoxTree tree(workload.device);
   in_arena(1, [&] { tree.build(workload.state.face_box, TreeQuality::fast_build); });
-  count_pairs(state, [&](const auto& visit) { join(tree, workload.tree.tree(), visit); });
+  count_pairs(state, [&](const auto& visit) { join(tree, workload.tree.runs(), visit); });
 }
 BENCHMARK(join_of_cage_and_input)->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime();
 

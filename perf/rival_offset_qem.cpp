@@ -91,11 +91,7 @@ struct Quadric {
 class Forbidden {
  public:
   explicit Forbidden(const Mesh& input) : tree_(device_) {
-    tree_.build(unit_frame(input.positions), input.positions, input.triangles, TreeQuality::fast_query);
-    boxes_.reserve(input.triangles.size());
-    for (std::uint32_t f = 0; f < input.triangles.size(); ++f) {
-      boxes_.push_back(bounding_box(tree_.frame(), {tree_.corner(f, 0), tree_.corner(f, 1), tree_.corner(f, 2)}));
-    }
+    tree_.build(unit_frame(input.positions), input.positions, input.triangles);
   }
 
   bool touched_by(const Position& a, const Position& b, const Position& c) const {
@@ -111,7 +107,7 @@ class Forbidden {
     ball.radius = std::sqrt(squared) * 1.0001f + 1e-6f;
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(tree_.tree().scene(), &ball, &context, visit, &query);
+    rtcPointQuery(tree_.runs().tree().scene(), &ball, &context, visit, &query);
     return query.hit;
   }
 
@@ -123,22 +119,20 @@ class Forbidden {
     bool hit = false;
   };
 
-  // Embree calls this for faces whose box may be in the ball.
+  // Embree calls this for runs of faces whose box may be in the ball.
   static bool visit(RTCPointQueryFunctionArguments* args) {
     auto& query = *static_cast<Query*>(args->userPtr);
-    if (query.hit || !query.box.overlaps(query.forbidden->boxes_[args->primID])) return false;
+    if (query.hit) return false;
     const SurfaceTree& tree = query.forbidden->tree_;
-    const double* const face[3] = {tree.corner(args->primID, 0), tree.corner(args->primID, 1),
-                                   tree.corner(args->primID, 2)};
-    if (!touch(query.corners, face)) return false;
-    query.hit = true;
-    args->query->radius = 0;  // nothing more to look for
-    return true;
+    tree.runs().for_each_overlap(args->primID, query.box, [&](std::uint32_t f) {
+      query.hit = query.hit || touch(query.corners, tree.triangle(f).p);
+    });
+    if (query.hit) args->query->radius = 0;  // nothing more to look for
+    return query.hit;
   }
 
   TreeDevice device_;
   SurfaceTree tree_;
-  std::vector<Box> boxes_;
 };
 
 // --------------------------------------------------------------------------------------------- simplification

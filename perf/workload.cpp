@@ -21,7 +21,7 @@ Mesh shape_or_throw(const std::string& name, std::size_t faces) {
 
 SurfaceTree tree_of(const Mesh& mesh, const TreeDevice& device) {
   SurfaceTree tree(device);
-  tree.build(unit_frame(mesh.positions), mesh.positions, mesh.triangles, TreeQuality::fast_query);
+  tree.build(unit_frame(mesh.positions), mesh.positions, mesh.triangles);
   return tree;
 }
 
@@ -32,7 +32,7 @@ Workload::Workload(const std::string& shape, std::size_t faces)
       tree(tree_of(input, device)),
       diagonal(extent(input.positions).diagonal()),
       tau(Options{}.tau * diagonal),
-      band(input.positions, input.triangles, tree.frame(), tree.tree()) {
+      band(tree) {
   const double first_tau = thickness_steps(Options{}, diagonal, 0).front();
   displacement.step = Options{}.sigma * diagonal;
   displacement.longest_move = std::min(50 * displacement.step, 0.5 * first_tau);

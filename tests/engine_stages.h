@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/round_outward.h"
 #include "parallel/arena.h"
 #include "parallel/cage_state.h"
 #include "parallel/distance_band.h"
@@ -29,8 +30,8 @@ void in_arena(int threads, F&& f) {
 class Stage {
  public:
   explicit Stage(const Mesh& mesh) : input(mesh), tree(device), diagonal(diagonal_of(mesh)) {
-    tree.build(unit_frame(input.positions), input.positions, input.triangles, TreeQuality::fast_query);
-    band = std::make_unique<DistanceBand>(input.positions, input.triangles, tree.frame(), tree.tree());
+    tree.build(unit_frame(input.positions), input.positions, input.triangles);
+    band = std::make_unique<DistanceBand>(tree);
     band->set_voxel_size(diagonal / 160);
   }
   Stage(const Stage&) = delete;
@@ -51,8 +52,8 @@ class Stage {
       const auto [a, b, c] = corners(cage, t);
       const DistanceBand::Near near = band->nearest((a + b + c) / 3);
       state.face_near.push_back(near.face);
-      state.face_distance.push_back(round_distance_up(near.distance));
-      state.face_reach.push_back(round_distance_up(band->reach(a, b, c, diagonal)));
+      state.face_distance.push_back(float_above(near.distance));
+      state.face_reach.push_back(float_above(band->reach(a, b, c, diagonal)));
       state.face_box.push_back(bounding_box(tree.frame(), {a.data(), b.data(), c.data()}));
       state.face_normal.push_back(reliable_normal(a.data(), b.data(), c.data()));
     }

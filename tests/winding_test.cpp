@@ -17,7 +17,7 @@ namespace {
 // A mesh in a tree, with its components; on one arena for as long as it lives.
 struct Scene {
   explicit Scene(Mesh m) : mesh(std::move(m)), tree(device) {
-    tree.build(unit_frame(mesh.positions), mesh.positions, mesh.triangles, TreeQuality::fast_query);
+    tree.build(unit_frame(mesh.positions), mesh.positions, mesh.triangles);
     components = face_components(mesh.triangles.size(), group_edges(mesh.triangles, mesh.positions.size()));
   }
   Mesh mesh;
@@ -199,7 +199,7 @@ TEST(Intersections, PairsWithAChangedFace) {
     std::vector<std::uint8_t> is_changed(400, 0);
     for (std::size_t f = 0; f < 400; f += 7) is_changed[f] = is_changed[(f * f) % 400] = 1;
     SurfaceTree changed(scene.device);
-    changed.build(scene.tree.frame(), scene.mesh.positions, scene.mesh.triangles, TreeQuality::fast_build, is_changed);
+    changed.build(scene.tree.frame(), scene.mesh.positions, scene.mesh.triangles, is_changed);
     std::vector<std::array<std::uint32_t, 2>> expected;
     for (const auto& pair : self_intersections(scene.tree).pairs)
       if (is_changed[pair[0]] != 0 || is_changed[pair[1]] != 0) expected.push_back(pair);
@@ -217,7 +217,7 @@ TEST(Intersections, ContactsAreThoseOfAllPairs) {
     other.positions[0] = other.positions[1] = other.positions[2] = a.mesh.positions[a.mesh.triangles[0][0]];
     TreeDevice device;
     SurfaceTree b(device);
-    b.build(a.tree.frame(), other.positions, other.triangles, TreeQuality::fast_query);
+    b.build(a.tree.frame(), other.positions, other.triangles);
     std::vector<std::array<std::uint32_t, 2>> expected;
     for (std::uint32_t i = 0; i < a.mesh.triangles.size(); ++i)
       for (std::uint32_t j = 0; j < other.triangles.size(); ++j)

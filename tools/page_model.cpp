@@ -151,8 +151,8 @@ std::vector<double> distances(const Mesh& cage, const Subdivision& subdivision, 
     std::vector<Position> points = input.positions;
     points.insert(points.end(), cage.positions.begin(), cage.positions.end());
     SurfaceTree tree(device);
-    tree.build(unit_frame(points), input.positions, input.triangles, TreeQuality::fast_query);
-    const ClosestFace closest(input.positions, input.triangles, tree.frame(), tree.tree());
+    tree.build(unit_frame(points), input.positions, input.triangles);
+    const ClosestFace closest(tree);
     parallel_each(cage.triangles.size(), 16, [&](std::size_t f) {
       std::size_t i = subdivision.first(f);
       std::uint32_t hint = none;

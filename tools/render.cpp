@@ -245,11 +245,11 @@ class DistanceColors {
   // `largest`, where the scale ends, is in the unit of the input.
   DistanceColors(const Mesh& input, const Placement& place, double largest)
       : place_(place), largest_(largest), tree_(device_) {
-    tree_.build(unit_frame(input.positions), input.positions, input.triangles, TreeQuality::fast_query);
+    tree_.build(unit_frame(input.positions), input.positions, input.triangles);
   }
 
   Vec3f operator()(const Vec3f& point) const {
-    const ClosestFace closest(tree_.positions(), tree_.triangles(), tree_.frame(), tree_.tree());
+    const ClosestFace closest(tree_);
     const double distance = closest.nearest(place_.inverse(point)).distance;
     return linear_color(scale_color(largest_ > 0 ? distance / largest_ : 0));
   }

@@ -27,11 +27,22 @@ class BoxRuns {
 
   std::uint32_t runs() const { return static_cast<std::uint32_t>(runs_.size()); }
   const BoxTree& tree() const { return tree_; }  // over the boxes of the runs
+  const Box& run_box(std::uint32_t run) const { return run_box_[run]; }
 
   // Calls visit(number) for the boxes of a run that overlap `box`.
   template <class Visit>
   void for_each_overlap(std::uint32_t run, const Box& box, const Visit& visit) const {
     for_each_bit(runs_[run].overlapping(box), [&](std::uint32_t k) { visit(runs_[run].number[k]); });
+  }
+
+  // Calls visit(number) for the boxes of a run that are nearer to x than a distance, in single precision; visit returns
+  // the square of the distance that counts from then on.
+  template <class Visit>
+  void for_each_nearer(std::uint32_t run, const std::array<float, 3>& x, float squared, const Visit& visit) const {
+    std::array<float, length> squared_distance;
+    for_each_bit(runs_[run].nearer(x, squared, squared_distance), [&](std::uint32_t k) {
+      if (squared_distance[k] < squared) squared = visit(runs_[run].number[k]);
+    });
   }
 
   // Calls visit(i, j) for the boxes i of `run` and j of `run_of_other` that overlap.
@@ -79,17 +90,37 @@ class BoxRuns {
       return b;
     }
 
+    // Bit k: test(k) of the lanes from k.
+    template <class Test>
+    static std::uint32_t bits(const Test& test) {
+      // Powers of two of the lanes that pass, added up: exact in single precision.
+      Lanes sum(0.0f);
+      for (std::uint32_t k = 0; k < length; k += Lanes::size)
+        sum += xsimd::select(test(k), load(power_of_two.data(), k), Lanes(0.0f));
+      return static_cast<std::uint32_t>(xsimd::hadd(sum));
+    }
+
     // Bit k: does box k overlap b?
     std::uint32_t overlapping(const Box& b) const {
-      // Powers of two of the lanes that overlap, added up: exact in single precision.
-      Lanes sum(0.0f);
-      for (std::uint32_t k = 0; k < length; k += Lanes::size) {
-        const auto hit = (load(lower[0], k) <= b.upper[0]) & (load(lower[1], k) <= b.upper[1]) &
-                         (load(lower[2], k) <= b.upper[2]) & (load(upper[0], k) >= b.lower[0]) &
-                         (load(upper[1], k) >= b.lower[1]) & (load(upper[2], k) >= b.lower[2]);
-        sum += xsimd::select(hit, load(power_of_two.data(), k), Lanes(0.0f));
-      }
-      return static_cast<std::uint32_t>(xsimd::hadd(sum));
+      return bits([&](std::uint32_t k) {
+        return (load(lower[0], k) <= b.upper[0]) & (load(lower[1], k) <= b.upper[1]) &
+               (load(lower[2], k) <= b.upper[2]) & (load(upper[0], k) >= b.lower[0]) &
+               (load(upper[1], k) >= b.lower[1]) & (load(upper[2], k) >= b.lower[2]);
+      });
+    }
+
+    // Bit k: is the square of box k's distance from x, which is written as well, less than `squared`?
+    std::uint32_t nearer(const std::array<float, 3>& x, float squared, std::array<float, length>& distance) const {
+      return bits([&](std::uint32_t k) {
+        Lanes sum(0.0f);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const Lanes beyond = xsimd::max(load(lower[axis], k) - x[axis], x[axis] - load(upper[axis], k));
+          const Lanes away = xsimd::max(beyond, Lanes(0.0f));
+          sum += away * away;
+        }
+        sum.store_unaligned(distance.data() + k);
+        return sum < Lanes(squared);
+      });
     }
   };
 

@@ -4,9 +4,10 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <new>
+
+#include "core/round_outward.h"
 
 namespace prcage {
 namespace {
@@ -14,14 +15,7 @@ namespace {
 // Embree drops boxes beyond about 1.8e18 without a word. Clamping is monotone, so boxes that overlap still do.
 constexpr double embree_limit = 1e18;
 
-float round_down(double x) {
-  x = std::clamp(x, -embree_limit, embree_limit);
-  return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
-}
-float round_up(double x) {
-  x = std::clamp(x, -embree_limit, embree_limit);
-  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
-}
+double clamp(double x) { return std::clamp(x, -embree_limit, embree_limit); }
 
 void write_bounds(const RTCBoundsFunctionArguments* args) {
   const Box& box = static_cast<const Box*>(args->geometryUserPtr)[args->primID];
@@ -61,8 +55,8 @@ Box bounding_box(const UnitFrame& frame, std::initializer_list<const double*> po
       low = std::min(low, p[k]);
       high = std::max(high, p[k]);
     }
-    box.lower[k] = round_down((low - frame.centre[k]) * frame.scale);
-    box.upper[k] = round_up((high - frame.centre[k]) * frame.scale);
+    box.lower[k] = float_below(clamp((low - frame.centre[k]) * frame.scale));
+    box.upper[k] = float_above(clamp((high - frame.centre[k]) * frame.scale));
   }
   return box;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <limits>
 
 #include "parallel/morton.h"
@@ -44,10 +43,6 @@ void reorder_costs(CageState& state, const std::vector<std::uint32_t>& faces) {
 }
 
 }  // namespace
-
-float round_distance_up(double distance) {
-  return std::nextafter(static_cast<float>(distance), std::numeric_limits<float>::infinity());
-}
 
 Normal reliable_normal(const double* a, const double* b, const double* c) {
   const Vec3 p(a[0], a[1], a[2]), q(b[0], b[1], b[2]), r(c[0], c[1], c[2]);

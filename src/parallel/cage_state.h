@@ -50,9 +50,6 @@ struct CageState {
   std::vector<float> face_room;
 };
 
-// Distance as a float that is not smaller.
-float round_distance_up(double distance);
-
 // Sets the cost of the edge of h, the lower halfedge. Its ends are looked at again by the next selection. Thread-safe
 // for different edges.
 void set_cost(CageState& state, std::uint32_t h, float cost);

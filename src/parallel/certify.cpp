@@ -39,7 +39,7 @@ std::size_t count_self_intersections(const TreeDevice& device, const SurfaceTree
   std::vector<std::uint8_t> keep(cage.triangles().size(), 1);
   for (const std::uint32_t f : degenerate) keep[f] = 0;
   SurfaceTree proper(device);
-  proper.build(cage.frame(), cage.positions(), cage.triangles(), TreeQuality::fast_query, keep);
+  proper.build(cage.frame(), cage.positions(), cage.triangles(), keep);
   return degenerate.size() + self_intersections(proper, 0).count;
 }
 
@@ -109,7 +109,7 @@ Certificate certify_cage(const TreeDevice& device, const Enclosed& input, const 
 
   const Topology t = topology(used.mesh);
   SurfaceTree surface(device);
-  surface.build(input.surface->frame(), positions, triangles, TreeQuality::fast_query);
+  surface.build(input.surface->frame(), positions, triangles);
   certify_embedding(device, surface, t, input, certificate);
   certificate.contacts = contacts(surface, *input.surface, 0).count;
   certificate.no_contact = certificate.contacts == 0;
@@ -123,7 +123,7 @@ SurfaceCertificate certify_simplified(const TreeDevice& device, const Simplified
   if (!well_formed(surface, used)) return certificate;
   const Topology t = topology(used.mesh);
   SurfaceTree tree(device);
-  tree.build(input.frame, used.mesh.positions, used.mesh.triangles, TreeQuality::fast_query);
+  tree.build(input.frame, used.mesh.positions, used.mesh.triangles);
   certify_embedding(device, tree, t, input, certificate);
   if (!t.defects.empty() || !certificate.self_intersection_free) return certificate;
   const auto nest = nesting(device, tree, t.components);
@@ -140,7 +140,7 @@ Certificate certify_meshes(const Mesh& input, const Mesh& cage) {
   const auto& triangles = used.mesh.triangles;
   const TreeDevice device;
   SurfaceTree surface(device);
-  surface.build(unit_frame(positions), positions, triangles, TreeQuality::fast_query);
+  surface.build(unit_frame(positions), positions, triangles);
   const Topology t = topology(used.mesh);
   return certify_cage(device,
                       {&surface, t.defects.empty(), t.components.count(), t.euler_characteristic,
@@ -171,7 +171,7 @@ SurfaceCertificate certify_simplified_meshes(const Mesh& input, const Mesh& surf
   if (!well_formed(input, used)) return {};
   const TreeDevice device;
   SurfaceTree tree(device);
-  tree.build(unit_frame(used.mesh.positions), used.mesh.positions, used.mesh.triangles, TreeQuality::fast_query);
+  tree.build(unit_frame(used.mesh.positions), used.mesh.positions, used.mesh.triangles);
   const Topology t = topology(used.mesh);
   const std::size_t cavities = t.defects.empty() ? count_cavities(nesting(device, tree, t.components)) : 0;
   return certify_simplified(device, {tree.frame(), t.components.count(), cavities, t.euler_characteristic}, surface);

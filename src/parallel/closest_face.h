@@ -7,7 +7,7 @@
 
 #include "core/adjacency.h"
 #include "core/distance.h"
-#include "parallel/box_tree.h"
+#include "parallel/surface_tree.h"
 
 namespace prcage {
 
@@ -19,11 +19,8 @@ class ClosestFace {
     double distance;
   };
 
-  // The surface and the tree over its faces' boxes in `frame` must outlive this. Points far outside of the frame's
-  // scene are beyond single precision.
-  ClosestFace(std::span<const Position> positions, std::span<const Triangle> triangles, const UnitFrame& frame,
-              const BoxTree& tree)
-      : positions_(positions), triangles_(triangles), frame_(frame), tree_(&tree) {}
+  // The surface must outlive this. Points far outside of its frame's scene are beyond single precision.
+  explicit ClosestFace(const SurfaceTree& surface) : surface_(&surface) {}
 
   // A face that is near already saves time and does not change the answer. Thread-safe.
   Near nearest(const Vec3& x, std::uint32_t hint = none) const;
@@ -38,10 +35,11 @@ class ClosestFace {
   TriangleDistance distance_from(std::uint32_t face) const;
 
  private:
-  std::span<const Position> positions_;
-  std::span<const Triangle> triangles_;
-  UnitFrame frame_;
-  const BoxTree* tree_;
+  Vec3 corner(std::uint32_t face, std::size_t i) const {
+    return vec(surface_->positions()[surface_->triangles()[face][i]]);
+  }
+
+  const SurfaceTree* surface_;
 };
 
 }  // namespace prcage

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <limits>
 
+#include "core/round_outward.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -18,9 +19,9 @@ void mark_dirty(CageState& state, std::uint32_t v, Dirt dirt) {
 void take_over_faces(CageState& state, const PatchBatch& batch, std::size_t i) {
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
     const std::uint32_t f = batch.face[t];
-    state.face_distance[f] = round_distance_up(batch.near[t].distance);
+    state.face_distance[f] = float_above(batch.near[t].distance);
     state.face_near[f] = batch.near[t].face;
-    state.face_reach[f] = round_distance_up(batch.reach[t]);
+    state.face_reach[f] = float_above(batch.reach[t]);
     state.face_box[f] = batch.box[t];
     state.face_normal[f] = batch.normal[t];
     for (const std::uint32_t u : batch.triangle[t]) mark_dirty(state, u, u == batch.moved[i] ? Dirt::moved : Dirt::rim);

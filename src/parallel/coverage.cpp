@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/round_outward.h"
 #include "parallel/closest_face.h"
 #include "parallel/parallel_for.h"
 
@@ -38,15 +39,17 @@ void Coverage::assign(const CageState& state, const UnitFrame& frame, const Tree
   const CornerTable& mesh = state.mesh;
   std::vector<Triangle> triangles(mesh.face_slots());
   for (std::size_t f = 0; f < triangles.size(); ++f) std::copy_n(&mesh.corner_vertex[3 * f], 3, triangles[f].begin());
-  BoxTree tree(device);
-  tree.build(state.face_box, TreeQuality::fast_query);
-  const ClosestFace closest(mesh.position, triangles, frame, tree);
+  std::vector<std::uint8_t> alive(triangles.size());
+  for (std::uint32_t f = 0; f < triangles.size(); ++f) alive[f] = mesh.face_alive(f) ? 1 : 0;
+  SurfaceTree tree(device);
+  tree.build(frame, mesh.position, triangles, alive);
+  const ClosestFace closest(tree);
   parallel_chunks(sample_.size(), 256, [&](std::size_t begin, std::size_t end) {
     std::uint32_t hint = none;  // samples lie along a curve
     for (std::size_t s = begin; s < end; ++s) {
       const ClosestFace::Near near = closest.nearest(vec(sample_[s]), hint);
       hint = face_[s] = near.face;
-      distance_[s] = round_distance_up(near.distance);
+      distance_[s] = float_above(near.distance);
     }
   });
   first_.assign(triangles.size(), none);
@@ -88,7 +91,7 @@ bool Coverage::keeps_samples(const CageState& state, double bound, const PatchBa
           face_[s] = face.number;
         }
       }
-      face_distance_[s] = round_distance_up(std::sqrt(least));
+      face_distance_[s] = float_above(std::sqrt(least));
       if (face_distance_[s] > std::max<double>(bound_of(s, bound), distance_[s])) return false;
       rise += least - double{distance_[s]} * distance_[s];
     }

@@ -29,7 +29,7 @@ std::vector<Position> points_on(const SurfaceTree& surface, std::size_t samples)
 }
 
 std::vector<double> distances(const std::vector<Position>& points, const SurfaceTree& to) {
-  const ClosestFace closest(to.positions(), to.triangles(), to.frame(), to.tree());
+  const ClosestFace closest(to);
   std::vector<double> distance(points.size());
   parallel_chunks(points.size(), 256, [&](std::size_t begin, std::size_t end) {
     std::uint32_t hint = none;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/filtered_cross.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -60,17 +61,14 @@ struct DistanceBand::Memo {
   std::uint64_t unmeasured = 0;  // voxels filled since the size of the tree was looked at
 };
 
-DistanceBand::DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles,
-                           const UnitFrame& frame, const BoxTree& tree)
-    : closest_(positions, triangles, frame, tree), frame_(frame), memo_(std::make_unique<Memo>()) {
+DistanceBand::DistanceBand(const SurfaceTree& surface)
+    : closest_(surface), frame_(surface.frame()), memo_(std::make_unique<Memo>()) {
   widest_face_ = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, triangles.size(), default_grain), 0.0,
-      [&](const tbb::blocked_range<std::size_t>& range, double widest) {
-        for (std::size_t f = range.begin(); f < range.end(); ++f) {
-          const Vec3 p = vec(positions[triangles[f][0]]);
-          const Vec3 q = vec(positions[triangles[f][1]]);
-          const Vec3 r = vec(positions[triangles[f][2]]);
-          widest = std::max({widest, (q - p).norm(), (r - q).norm(), (p - r).norm()});
+      tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(surface.triangles().size()), default_grain), 0.0,
+      [&](const tbb::blocked_range<std::uint32_t>& range, double widest) {
+        for (std::uint32_t f = range.begin(); f < range.end(); ++f) {
+          const TriangleRef t = surface.triangle(f);
+          for (int k = 0; k < 3; ++k) widest = std::max(widest, difference(t.p[k], t.p[(k + 1) % 3]).norm());
         }
         return widest;
       },

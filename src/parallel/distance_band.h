@@ -11,7 +11,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
 
 #include "parallel/closest_face.h"
 
@@ -19,9 +18,8 @@ namespace prcage {
 
 class DistanceBand {
  public:
-  // The surface and the tree over its faces' boxes in `frame` must outlive the band.
-  DistanceBand(std::span<const Position> positions, std::span<const Triangle> triangles, const UnitFrame& frame,
-               const BoxTree& tree);
+  // The surface must outlive the band.
+  explicit DistanceBand(const SurfaceTree& surface);
   ~DistanceBand();
 
   using Near = ClosestFace::Near;

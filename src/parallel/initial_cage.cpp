@@ -9,6 +9,7 @@
 #include "core/displacement.h"
 #include "core/distance.h"
 #include "core/predicates.h"
+#include "core/round_outward.h"
 #include "core/vertex_cap.h"
 #include "parallel/parallel_for.h"
 
@@ -171,7 +172,7 @@ std::vector<std::uint8_t> faces_with_area(const CornerTable& mesh) {
 
 Conflicts find_conflicts(const CornerTable& mesh, const SurfaceTree& input, const TreeDevice& device) {
   SurfaceTree cage(device);
-  cage.build(input.frame(), mesh.position, triangles_of(mesh), std::nullopt, faces_with_area(mesh));
+  cage.build(input.frame(), mesh.position, triangles_of(mesh), faces_with_area(mesh));
   const auto embedded = embedded_stars(mesh.position, triangles_of(mesh), mesh.twin);
   return {self_intersections(cage, no_limit, embedded), contacts(cage, input)};
 }
@@ -183,9 +184,9 @@ Conflicts find_conflicts_at(const std::vector<std::uint32_t>& vertices, const Co
   std::vector<std::uint8_t> some(mesh.face_slots(), 0);
   for (const std::uint32_t v : vertices) for_each_outgoing(mesh, v, [&](std::uint32_t h) { some[h / 3] = all[h / 3]; });
   SurfaceTree cage(device);
-  cage.build(input.frame(), mesh.position, triangles_of(mesh), std::nullopt, all);
+  cage.build(input.frame(), mesh.position, triangles_of(mesh), all);
   SurfaceTree part(device);
-  part.build(input.frame(), mesh.position, triangles_of(mesh), std::nullopt, some);
+  part.build(input.frame(), mesh.position, triangles_of(mesh), some);
   return {self_intersections(cage, part, some), contacts(part, input)};
 }
 
@@ -253,8 +254,8 @@ void describe_faces(const Mesh& surface, const UnitFrame& frame, CageState& stat
     const std::array<Vec3, 3> corners{mesh.vec_at(t[0]), mesh.vec_at(t[1]), mesh.vec_at(t[2])};
     state.face_near[f] = face_beside(mesh, static_cast<std::uint32_t>(f), surface.triangles.size());
     const TriangleDistance near = distance_from(surface, state.face_near[f]);
-    state.face_distance[f] = round_distance_up(std::sqrt(near.squared((corners[0] + corners[1] + corners[2]) / 3)));
-    state.face_reach[f] = round_distance_up(std::sqrt(near.largest_squared(corners)));
+    state.face_distance[f] = float_above(std::sqrt(near.squared((corners[0] + corners[1] + corners[2]) / 3)));
+    state.face_reach[f] = float_above(std::sqrt(near.largest_squared(corners)));
     state.face_box[f] = bounding_box(frame, {mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])});
     state.face_normal[f] = reliable_normal(mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2]));
   });

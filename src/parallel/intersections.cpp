@@ -23,22 +23,6 @@ bool touch(const double* const s[3], const double* const t[3]) {
   return !certainly_separated(s, t) && exact::triangles_intersect(s[0], s[1], s[2], t[0], t[1], t[2]);
 }
 
-void SurfaceTree::build(const UnitFrame& frame, std::span<const Position> positions,
-                        std::span<const Triangle> triangles, std::optional<TreeQuality> quality,
-                        std::span<const std::uint8_t> keep) {
-  frame_ = frame;
-  positions_ = positions;
-  triangles_ = triangles;
-  boxes_.resize(triangles.size());
-  parallel_each(triangles.size(), default_grain, [&](std::size_t f) {
-    const auto face = static_cast<std::uint32_t>(f);
-    const bool kept = keep.empty() || keep[f] != 0;
-    boxes_[f] = kept ? bounding_box(frame, {corner(face, 0), corner(face, 1), corner(face, 2)}) : Box{};
-  });
-  runs_.build(boxes_);
-  if (quality) tree_.build(boxes_, *quality);
-}
-
 std::vector<std::uint8_t> embedded_stars(std::span<const Position> positions, std::span<const Triangle> triangles,
                                          std::span<const std::uint32_t> twin) {
   std::vector<std::uint32_t> outgoing(positions.size(), none);

@@ -3,50 +3,16 @@
 // Everything here must be called inside an Arena; results do not depend on the number of threads.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/triangle_pair.h"
 #include "core/vec3.h"
-#include "parallel/box_runs.h"
 #include "parallel/pair_collector.h"
+#include "parallel/surface_tree.h"
 
 namespace prcage {
-
-// The faces of a surface, ready to be joined with others. Borrows the arrays: they must stay where they are, unchanged,
-// while the tree is used. Surfaces that are compared with each other must be built in the same frame.
-class SurfaceTree {
- public:
-  explicit SurfaceTree(const TreeDevice& device) : runs_(device), tree_(device) {}
-
-  // `keep` selects faces: those with keep[f] == 0 are left out. Empty means all. Vertex indices must be in range and
-  // coordinates finite. Joins need no tree over all faces; there is one only if its quality is given.
-  void build(const UnitFrame& frame, std::span<const Position> positions, std::span<const Triangle> triangles,
-             std::optional<TreeQuality> quality, std::span<const std::uint8_t> keep = {});
-
-  const UnitFrame& frame() const { return frame_; }
-  std::span<const Position> positions() const { return positions_; }
-  std::span<const Triangle> triangles() const { return triangles_; }
-  const BoxRuns& runs() const { return runs_; }
-  const BoxTree& tree() const { return tree_; }  // for point queries
-
-  const double* corner(std::uint32_t face, std::size_t i) const { return positions_[triangles_[face][i]].data(); }
-  TriangleRef triangle(std::uint32_t face) const {
-    const Triangle& t = triangles_[face];
-    return {{corner(face, 0), corner(face, 1), corner(face, 2)}, {t[0], t[1], t[2]}};
-  }
-
- private:
-  UnitFrame frame_;
-  std::span<const Position> positions_;
-  std::span<const Triangle> triangles_;
-  std::vector<Box> boxes_;
-  BoxRuns runs_;
-  BoxTree tree_;
-};
 
 // Per vertex of a closed oriented manifold: is no pair of its faces in improper contact for certain (core/star.h)?
 // twin[h] is the opposite of halfedge h.

@@ -27,7 +27,7 @@ class InvertedFaces {
   InvertedFaces(const SurfaceTree& input, const SurfaceTree& surface)
       : input_(input),
         surface_(surface),
-        closest_(input.positions(), input.triangles(), input.frame(), input.tree()),
+        closest_(input),
         normals_(surface.triangles().size()),
         suspect_(surface.triangles().size()) {}
 

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/round_outward.h"
 #include "core/schedule.h"
 #include "parallel/certify.h"
 #include "parallel/deviation.h"
@@ -88,10 +89,10 @@ void measure_to_input(CageState& state, const DistanceBand& band, const std::vec
     const std::array<Vec3, 3> corners{mesh.vec_at(v[0]), mesh.vec_at(v[1]), mesh.vec_at(v[2])};
     const DistanceBand::Near near = band.nearest((corners[0] + corners[1] + corners[2]) / 3);
     state.face_near[f] = near.face;
-    state.face_distance[f] = round_distance_up(near.distance);
+    state.face_distance[f] = float_above(near.distance);
     const double inherited = (f < reach.size() ? reach[f] : farthest) + gap;
     const double measured = std::sqrt(band.distance_from(near.face).largest_squared(corners));
-    state.face_reach[f] = round_distance_up(std::min(inherited, measured));
+    state.face_reach[f] = float_above(std::min(inherited, measured));
   });
 }
 
@@ -317,8 +318,7 @@ class Pipeline : PipelineBase<Result> {
   }
 
   void collapse(CageState& state) {
-    const Mesh& surface = valid().surface.mesh;
-    DistanceBand band(surface.positions, surface.triangles, valid().tree.frame(), valid().tree.tree());
+    DistanceBand band(valid().tree);
     Statistics& s = result_.statistics;
     const Obstacle obstacle(inner().tree, inner().components, device_);
     std::vector<double> thickness = thickness_;
@@ -376,7 +376,7 @@ class Pipeline : PipelineBase<Result> {
     if (context.attempts == 1) return;
     const Mesh cage = attempt.state.mesh.to_mesh();
     SurfaceTree tree(device_);
-    tree.build(unit_frame(cage.positions), cage.positions, cage.triangles, TreeQuality::fast_query);
+    tree.build(unit_frame(cage.positions), cage.positions, cage.triangles);
     attempt.distance = measured_hausdorff(valid().tree, tree, hausdorff_samples);
   }
 

@@ -39,7 +39,7 @@ class Surface {
  public:
   Surface(const TreeDevice& device, const UnitFrame& frame, const Mesh& mesh)
       : mesh_(mesh), edges_(group_edges(mesh.triangles, mesh.positions.size())), tree_(device) {
-    tree_.build(frame, mesh.positions, mesh.triangles, TreeQuality::fast_query);
+    tree_.build(frame, mesh.positions, mesh.triangles);
     find_normals();
     EdgeDefects defects;
     pair_halfedges(mesh.triangles, edges_, defects);
@@ -53,7 +53,7 @@ class Surface {
   std::size_t edge_count() const { return edges_.size(); }
   const Vec3& normal(std::uint32_t face) const { return normals_[face]; }  // unit length; zero if there is none
   const SurfaceTree& tree() const { return tree_; }
-  ClosestFace closest_face() const { return {mesh_.positions, mesh_.triangles, tree_.frame(), tree_.tree()}; }
+  ClosestFace closest_face() const { return ClosestFace(tree_); }
 
   Vec3 edge_middle(std::size_t e) const {
     const std::uint32_t h = edges_[e][0];

@@ -153,7 +153,7 @@ class Simplification : PipelineBase<SimplifyResult> {
 
   void collapse(CageState& state) {
     const SurfaceTree& tree = valid().tree;
-    DistanceBand band(surface().positions, surface().triangles, tree.frame(), tree.tree());
+    DistanceBand band(tree);
     SurfaceTree wrap(device_);
     std::optional<WrapRoom> room;
     if (task_.wrap != nullptr && build_wrap(wrap)) room.emplace(wrap).measure(state);
@@ -202,7 +202,7 @@ class Simplification : PipelineBase<SimplifyResult> {
     SubMesh used;
     if (!well_formed(to_mesh(*task_.wrap), used)) return false;
     wrap_ = std::move(used.mesh);
-    tree.build(unit_frame(wrap_.positions), wrap_.positions, wrap_.triangles, TreeQuality::fast_query);
+    tree.build(unit_frame(wrap_.positions), wrap_.positions, wrap_.triangles);
     return true;
   }
 
@@ -228,7 +228,7 @@ class Simplification : PipelineBase<SimplifyResult> {
     if (task_.samples == 0) return;
     const Stopwatch watch(seconds().certify);
     SurfaceTree tree(device_);
-    tree.build(valid().tree.frame(), mesh.positions, mesh.triangles, TreeQuality::fast_query);
+    tree.build(valid().tree.frame(), mesh.positions, mesh.triangles);
     result_.deviation = measure_deviation(device_, valid().tree, tree, result_.statistics.diagonal, task_.samples);
   }
 

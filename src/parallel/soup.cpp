@@ -49,7 +49,7 @@ Soup make_soup(Mesh faces, const TreeDevice& device) {
   pair_halfedges(triangles, edges, defects);
   soup.closed = defects.empty();
   soup.components = face_components(triangles.size(), edges);
-  soup.tree.build(unit_frame(positions), positions, triangles, TreeQuality::fast_query);
+  soup.tree.build(unit_frame(positions), positions, triangles);
   return soup;
 }
 

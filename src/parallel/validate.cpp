@@ -302,7 +302,7 @@ bool Validator::check_self_intersections(const std::vector<std::uint32_t>& degen
   for (const std::uint32_t f : degenerate) keep[f] = 0;
   for (const auto& pair : duplicates_) keep[pair[1]] = 0;
 
-  out_.valid.tree.build(unit_frame(positions), positions, triangles, TreeQuality::fast_query, keep);
+  out_.valid.tree.build(unit_frame(positions), positions, triangles, keep);
   std::vector<std::uint8_t> embedded;
   if (is_closed_manifold()) embedded = embedded_stars(positions, triangles, twin_);
   const FacePairs found = self_intersections(out_.valid.tree, max_examples, embedded);

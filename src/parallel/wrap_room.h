@@ -12,8 +12,7 @@ namespace prcage {
 class WrapRoom {
  public:
   // The tree, with one for point queries, must outlive this.
-  explicit WrapRoom(const SurfaceTree& wrap)
-      : closest_(wrap.positions(), wrap.triangles(), wrap.frame(), wrap.tree()) {}
+  explicit WrapRoom(const SurfaceTree& wrap) : closest_(wrap) {}
 
   // Of a point: how far inside of the wrap it is.
   float at(const Vec3& x) const;
