@@ -509,6 +509,43 @@ TEST(Flips, TakeVolumeAwayAndLeaveTheInputEnclosed) {
   EXPECT_GT(refused, 20u);
 }
 
+// The planes and boxes that spare exact tests must not spare one too many.
+TEST(Obstacle, RejectsMovesThatTouchTheInputAndNoOthers) {
+  std::size_t hits = 0, misses = 0;
+  for (const char* name : {"bumpy", "knot", "spikes", "bracket"}) {
+    const Mesh input = testing::shape(name, 500);
+    in_arena(2, [&] {
+      const Stage stage(input);
+      const CheckedMesh checked = validate_mesh(input, stage.device);
+      const Obstacle obstacle(checked.valid.tree, checked.valid.components, stage.device);
+      const double step = 1e-3 * stage.diagonal;
+      const CageState state = stage.displaced(step).state;
+      const CornerTable& mesh = state.mesh;
+      std::mt19937_64 random(5);
+      const auto selected = select_independent_vertices(mesh, 0, [](std::uint32_t) { return true; });
+      for (const double length : {0.5, 2.0, 30.0}) {
+        std::vector<Position> points;
+        for (const Candidate& c : selected)
+          points.push_back(
+              position(mesh.vec_at(mesh.origin(c.halfedge)) + length * step * testing::random_unit(random)));
+        PatchBatch batch = build_moves(state, stage.tree.frame(), selected, points);
+        std::vector<std::uint8_t> touches(batch.size(), 0);
+        for (std::size_t t = 0; t < batch.triangle.size(); ++t)
+          for (std::uint32_t f = 0; f < input.triangles.size(); ++f)
+            if (touch(patch_triangle(mesh, batch, t).p, checked.valid.tree.triangle(f).p))
+              touches[batch.patch_of[t]] = 1;
+        obstacle.reject_hits(state, batch);
+        for (std::size_t i = 0; i < batch.size(); ++i) {
+          EXPECT_EQ(batch.verdict[i] == Verdict::hits_input, touches[i] != 0) << name << " " << i;
+          ++(touches[i] != 0 ? hits : misses);
+        }
+      }
+    });
+  }
+  EXPECT_GT(hits, 100u);
+  EXPECT_GT(misses, 100u);
+}
+
 // A quadrilateral bent outward along its diagonal: the other diagonal would cut into the solid.
 TEST(Flips, NeverCutIntoTheSolid) {
   const Mesh input = testing::sphere(3);

@@ -21,6 +21,38 @@ bool contains(const Box& outer, const Box& inner) {
   return all;
 }
 
+// The slab between the two planes that hold a triangle, in the frame of the boxes: that of a large triangle cuts few of
+// the boxes that overlap the triangle's own.
+class Slab {
+ public:
+  Slab() = default;
+  Slab(const UnitFrame& frame, const double* const p[3]) {
+    const Vec3 cross = difference(p[0], p[1]).cross(difference(p[0], p[2]));
+    const double length = cross.norm();
+    const Vec3 n = length > 0 ? Vec3(cross / length) : Vec3::Zero();
+    double heights[3];
+    for (int i = 0; i < 3; ++i) heights[i] = n.dot((Vec3(p[i][0], p[i][1], p[i][2]) - frame.centre) * frame.scale);
+    const auto [low, high] = std::minmax({heights[0], heights[1], heights[2]});
+    normal_ = n.cast<float>();
+    low_ = static_cast<float>(low) - rounding;
+    high_ = static_cast<float>(high) + rounding;
+  }
+
+  bool misses(const Box& box) const {
+    float height = 0, half = 0;
+    for (int k = 0; k < 3; ++k) {
+      height += 0.5f * normal_[k] * (box.upper[k] + box.lower[k]);
+      half += 0.5f * std::abs(normal_[k]) * (box.upper[k] - box.lower[k]);
+    }
+    return (height - half > high_) | (height + half < low_);
+  }
+
+ private:
+  static constexpr float rounding = 1e-5f;  // of heights in about the unit cube, with much to spare
+  Eigen::Vector3f normal_ = Eigen::Vector3f::Zero();
+  float low_ = 0, high_ = 0;
+};
+
 // Solid angle of a triangle seen from x (van Oosterom and Strackee 1983).
 double solid_angle(const double* const p[3], const Vec3& x) {
   const Vec3 a = difference(x.data(), p[0]), b = difference(x.data(), p[1]), c = difference(x.data(), p[2]);
@@ -69,15 +101,23 @@ void Obstacle::reject_sweeps(const CageState& state, PatchBatch& batch) const {
 }
 
 void Obstacle::reject_hits(const CageState& state, PatchBatch& batch) const {
-  std::vector<Box> boxes = batch.box;
-  for (std::size_t t = 0; t < boxes.size(); ++t)
-    if (!batch.alive(batch.patch_of[t])) boxes[t] = Box{};
+  std::vector<Box> boxes(batch.box.size());
+  std::vector<Slab> slabs(boxes.size());
+  for (std::size_t t = 0; t < boxes.size(); ++t) {
+    if (!batch.alive(batch.patch_of[t])) continue;
+    boxes[t] = batch.box[t];
+    slabs[t] = Slab(surface_.frame(), patch_triangle(state.mesh, batch, t).p);
+  }
   BoxTree triangles(device_);
   triangles.build(boxes, TreeQuality::fast_build);
-  join(triangles, surface_.runs(), [&](std::uint32_t t, std::uint32_t f) {
+  const BoxRuns& runs = surface_.runs();
+  join(triangles, runs.tree(), [&](std::uint32_t t, std::uint32_t run) {
     const std::uint32_t patch = batch.patch_of[t];
-    if (alive(batch, patch) && touch(patch_triangle(state.mesh, batch, t).p, surface_.triangle(f).p))
-      reject(batch, patch);
+    if (!alive(batch, patch) || slabs[t].misses(runs.run_box(run))) return;
+    const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
+    runs.for_each_overlap(run, boxes[t], [&](std::uint32_t f) {
+      if (alive(batch, patch) && touch(triangle.p, surface_.triangle(f).p)) reject(batch, patch);
+    });
   });
 }
 
