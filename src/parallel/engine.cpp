@@ -30,6 +30,9 @@ constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
 // Of placements that no plane holds: far less than in cages, since it would blunt edges and corners a little each time.
 constexpr double regularization_between_sides = 1e-5;
+// BandLimits::near_enough of a run's first cycles, up to half of its thickness: what they refuse for distances that are
+// too large comes next.
+constexpr double near_enough_at_first = 0.5;
 // Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
@@ -110,6 +113,8 @@ class Engine {
     const BandShape& shape = context_.band_shape;
     const auto clear = [&](double t) { return t - (tau_rounding * t + size_rounding * context_.diagonal); };
     limits_.centroids = clear(tau);
+    const bool late = finds_thickness(*context_.options) || tau > 0.5 * context_.thickness.back();
+    limits_.near_enough = late ? BandLimits{}.near_enough : near_enough_at_first;
     settings_.band = {shape.outer * limits_.centroids, shape.inner * limits_.centroids, shape.sides};
     limits_.sides = shape.sides;
     if (context_.options->tau_mode == TauMode::strict) {

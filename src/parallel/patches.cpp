@@ -14,8 +14,8 @@ namespace prcage {
 namespace {
 
 constexpr std::size_t patch_grain = 16;
-// Share of tau below which a distance is near enough to the true one: eq. 4 loses at most this share of its room.
-constexpr double near_enough = 0.25;
+// Rounding in differences of heights, relative to the extent of what they are of, with much to spare.
+constexpr double height_rounding = 1e-14;
 constexpr double unknown = std::numeric_limits<double>::infinity();
 
 // Offsets of consecutive runs of the given lengths, one more than there are runs.
@@ -215,9 +215,10 @@ bool proper_patch(const CornerTable& mesh, const PatchBatch& batch, std::size_t 
 
 // The input face known for a removed face if it is near enough to x, else the nearest one: what is too much in a
 // distance is lost for the constraints.
-DistanceBand::Near near_with_hint(const DistanceBand& band, const Vec3& x, std::uint32_t hint, double tau) {
+DistanceBand::Near near_with_hint(const DistanceBand& band, const BandLimits& limits, const Vec3& x,
+                                  std::uint32_t hint) {
   const DistanceBand::Near known{hint, band.distance_to_face(x, hint)};
-  return known.distance <= near_enough * tau ? known : band.nearest(x, hint);
+  return known.distance <= limits.near_enough * limits.centroids ? known : band.nearest(x, hint);
 }
 
 // Upper bound of the distance of a point of the patch to the faces that it replaces; infinity if unknown.
@@ -251,6 +252,26 @@ double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::siz
     after.add_inner_vertex(view(batch.point[i].data()));
   }
   return largest_gap(before, after);
+}
+
+// An upper bound of the same that is easily found: how far the corners of both are from each other along the direction
+// in which both are graphs.
+double height_range(const CornerTable& mesh, const PatchBatch& batch, std::size_t i) {
+  const Vec3& n = batch.direction[i];
+  if (n.isZero(0)) return unknown;
+  const Vec3 origin = mesh.vec_at(mesh.origin(batch.candidate[i].halfedge));
+  double low = 0, high = 0, widest = 0;
+  const auto add = [&](const Vec3& p) {
+    const Vec3 d = p - origin;
+    const double height = n.dot(d);
+    low = std::min(low, height);
+    high = std::max(high, height);
+    widest = std::max(widest, d.lpNorm<1>());
+  };
+  for (const std::uint32_t f : batch.removed_faces(i))
+    for (std::size_t k = 0; k < 3; ++k) add(mesh.vec_at(mesh.corner_vertex[3 * std::size_t{f} + k]));
+  if (!batch.is_flip(i)) add(vec(batch.point[i]));
+  return high - low + height_rounding * widest;
 }
 
 // Upper bound of the distance of the faces that a patch replaces to the input.
@@ -292,7 +313,7 @@ void sign_distance(const CageState& state, const DistanceBand& band, const BandL
   const auto [a, b, c] = corners_of(state, batch, t);
   const Vec3 centroid = (a + b + c) / 3;
   DistanceBand::Near& near = batch.near[t];
-  near = near_with_hint(band, centroid, near.face, limits.centroids);
+  near = near_with_hint(band, limits, centroid, near.face);
   if (band.behind_face(centroid, near.face)) near.distance = -near.distance;
 }
 
@@ -316,17 +337,18 @@ bool moves_too_far(const CageState& state, const DistanceBand& band, const BandL
                    std::size_t i) {
   if (batch.is_flip(i)) return false;
   const std::uint32_t hint = state.face_near[batch.removed_faces(i)[0]];
-  return near_with_hint(band, vec(batch.point[i]), hint, limits.centroids).distance > limits.reach;
+  return near_with_hint(band, limits, vec(batch.point[i]), hint).distance > limits.reach;
 }
 
 // Fills in `near` and `reach` of a patch; not accepted if it is not proved to be within reach. The gap to what the
 // patch replaces comes first where it can spare the measuring of faces, else only where that does not prove them.
 Verdict measure_patch(const CageState& state, DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
                       std::size_t i) {
-  const double enough = near_enough * limits.centroids, removed = removed_reach(state, batch, i);
+  const double enough = limits.near_enough * limits.centroids, removed = removed_reach(state, batch, i);
   double inherited = unknown;  // bound for all faces, by what is known of the old ones
   const auto inherits = [&] {
-    inherited = removed + gap_to_removed(state.mesh, batch, i);
+    inherited = removed + height_range(state.mesh, batch, i);
+    if (inherited > enough) inherited = removed + gap_to_removed(state.mesh, batch, i);
     return inherited <= limits.reach || !moves_too_far(state, band, limits, batch, i);
   };
   bool asked = removed <= enough;

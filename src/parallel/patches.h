@@ -121,6 +121,9 @@ struct BandLimits {
   Sides sides = Sides::outer;                              // both: distances of centroids are signed
   double outer = std::numeric_limits<double>::infinity();  // of reach, what is allowed outside of M
   double inner = std::numeric_limits<double>::infinity();  // and inside, if there are two sides
+  // Share of tau_k up to which the distance of a centroid may be to a face near by instead of the nearest one. What it
+  // is too large by is lost for eq. 4.
+  double near_enough = 0.25;
 };
 
 // Finds an input face near each new centroid, and rejects patches that are not proved to be within reach; in a band on
