@@ -39,6 +39,10 @@ int tightening_passes(const Options& options) {
   return finds_thickness(options) ? passes : passes / 2;  // a given thickness is there to be used
 }
 
+int aligning_passes(const Options& options) {
+  return finds_thickness(options) && options.quality != Quality::fast ? 20 : 0;
+}
+
 std::vector<double> thickness_steps(const Options& options, double diagonal, double area) {
   std::vector<double> steps;
   if (finds_thickness(options)) {

@@ -29,6 +29,8 @@ std::string levels_error(const std::vector<std::size_t>& face_budgets);
 
 // How often vertices are moved inward after a cycle in which cages are tightened.
 int tightening_passes(const Options& options);
+// And how often after the last one so that no face turns away from the input.
+int aligning_passes(const Options& options);
 
 // Empty if the options are in range, else one sentence that names the option at fault.
 std::string options_error(const Options& options);

@@ -5,22 +5,21 @@
 #include <limits>
 #include <utility>
 
+#include "core/area_samples.h"
 #include "core/round_outward.h"
 #include "parallel/closest_face.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
 
-namespace {
-
-std::vector<Position> evenly_chosen(std::span<const Position> positions, std::size_t most) {
-  const std::size_t stride = (positions.size() + most - 1) / most;
-  std::vector<Position> chosen;
-  for (std::size_t v = 0; v < positions.size(); v += stride) chosen.push_back(positions[v]);
-  return chosen;
+CoverageSamples samples_of(const Mesh& surface, std::size_t most_vertices, std::size_t spread) {
+  CoverageSamples samples;
+  const std::size_t stride = (surface.positions.size() + most_vertices - 1) / most_vertices;
+  for (std::size_t v = 0; v < surface.positions.size(); v += stride) samples.points.push_back(surface.positions[v]);
+  const AreaSamples over_area(surface.positions, surface.triangles, spread, CounterRandom(0, 0));
+  for (std::size_t i = 0; i < over_area.size(); ++i) samples.points.push_back(position(over_area[i].point));
+  return samples;
 }
-
-}  // namespace
 
 Coverage::Coverage(CoverageSamples samples)
     : sample_(std::move(samples.points)),
@@ -31,9 +30,6 @@ Coverage::Coverage(CoverageSamples samples)
       next_(sample_.size()),
       face_(sample_.size()),
       face_distance_(sample_.size()) {}
-
-Coverage::Coverage(std::span<const Position> positions, std::size_t most)
-    : Coverage(CoverageSamples{evenly_chosen(positions, most), 0, {}, 1}) {}
 
 void Coverage::assign(const CageState& state, const UnitFrame& frame, const TreeDevice& device) {
   const CornerTable& mesh = state.mesh;

@@ -3,7 +3,8 @@
 // are near it; an operation that would take one of them out of the bound is refused, and those that stay are handed on
 // to the faces that replace theirs.
 //
-// Samples are vertices of the input, all of them or an even choice of many; between them nothing is proved.
+// Samples are vertices of the input, all of them or an even choice of many, and points spread over its area; between
+// them nothing is proved.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +24,13 @@ struct CoverageSamples {
   double least_share = 1;
 };
 
+// Up to so many of the vertices, in steps of equal length, which is even over a surface that lies along a curve, and so
+// many points spread evenly by area, at least one, over a surface that has some.
+CoverageSamples samples_of(const Mesh& surface, std::size_t most_vertices, std::size_t spread);
+
 class Coverage {
  public:
   explicit Coverage(CoverageSamples samples);
-  // Up to `most` of the positions, in steps of equal length: even over a surface whose vertices lie along a curve.
-  Coverage(std::span<const Position> positions, std::size_t most);
 
   // Gives each sample to the face of the cage nearest to it. Needed before anything else, and again whenever faces have
   // got new numbers, unless renumber() is called.

@@ -30,9 +30,11 @@ constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
 // Of placements that no plane holds: far less than in cages, since it would blunt edges and corners a little each time.
 constexpr double regularization_between_sides = 1e-5;
-// BandLimits::near_enough of a run's first cycles, up to half of its thickness: what they refuse for distances that are
-// too large comes next.
-constexpr double near_enough_at_first = 0.5;
+// BandLimits::near_enough while the cage has more faces than this, and afterwards, when exact distances cost little:
+// what is refused at first for distances that are too large comes later.
+constexpr std::size_t many_faces = 20000;
+constexpr double near_enough_of_many = 0.5;
+constexpr double near_enough_of_few = 0.02;
 // Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
@@ -113,8 +115,7 @@ class Engine {
     const BandShape& shape = context_.band_shape;
     const auto clear = [&](double t) { return t - (tau_rounding * t + size_rounding * context_.diagonal); };
     limits_.centroids = clear(tau);
-    const bool late = finds_thickness(*context_.options) || tau > 0.5 * context_.thickness.back();
-    limits_.near_enough = late ? BandLimits{}.near_enough : near_enough_at_first;
+    limits_.near_enough = state_.live_faces > many_faces ? near_enough_of_many : near_enough_of_few;
     settings_.band = {shape.outer * limits_.centroids, shape.inner * limits_.centroids, shape.sides};
     limits_.sides = shape.sides;
     if (context_.options->tau_mode == TauMode::strict) {
@@ -209,6 +210,7 @@ class Engine {
     TightenSettings tightening;
     tightening.passes = tightening_passes(*context_.options);
     const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
+    if (last) tightening.aligning_passes = aligning_passes(*context_.options);
     const bool soon =
         finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
     if (tightening.passes == 0 || context_.input == nullptr || !(last || soon)) return;

@@ -28,8 +28,9 @@ namespace {
 constexpr double longest_move = 50;
 // The radius at which singular vertices are cut off, in steps.
 constexpr double longest_radius = 100;
-// Samples of the input whose distance to the cage is bounded.
-constexpr std::size_t most_samples = 40000;
+// Samples of the input whose distance to the cage is bounded: vertices, and points of faces, which may be large.
+constexpr std::size_t most_vertices = 40000;
+constexpr std::size_t spread_points = 40000;
 // Cages of which the closest is taken, with best quality, and samples for the distance.
 constexpr int best_attempts = 3;
 constexpr std::size_t hausdorff_samples = 20000;
@@ -362,7 +363,7 @@ class Pipeline : PipelineBase<Result> {
   // Null if only the distance of the cage to the input is bounded.
   std::optional<Coverage> samples_to_cover() const {
     if (options_.bound != Bound::both) return {};
-    return Coverage(valid().surface.mesh.positions, most_samples);
+    return Coverage(samples_of(valid().surface.mesh, most_vertices, spread_points));
   }
 
   void run_attempt(Attempt& attempt, EngineContext context) const {

@@ -4,7 +4,6 @@
 #include <array>
 #include <limits>
 
-#include "core/lattice.h"
 #include "core/patch_gap.h"
 #include "core/predicates.h"
 #include "core/projection.h"
@@ -281,11 +280,6 @@ double removed_reach(const CageState& state, const PatchBatch& batch, std::size_
   return reach;
 }
 
-std::array<Vec3, 3> corners_of(const CageState& state, const PatchBatch& batch, std::size_t t) {
-  const TriangleRef triangle = patch_triangle(state.mesh, batch, t);
-  return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
-}
-
 void lower_reach(PatchBatch& batch, std::size_t t, double reach) {
   batch.reach[t] = std::min(batch.reach[t], reach);
   batch.near[t].distance = std::min(batch.near[t].distance, batch.reach[t]);
@@ -294,7 +288,7 @@ void lower_reach(PatchBatch& batch, std::size_t t, double reach) {
 // Which input face is near the centroid of new face t? The distances of the corners to it bound that of the face. The
 // input face known for a removed face will do if it is near enough.
 void measure_face(const CageState& state, const DistanceBand& band, double enough, PatchBatch& batch, std::size_t t) {
-  const std::array<Vec3, 3> corners = corners_of(state, batch, t);
+  const Corners corners = patch_corners(state.mesh, batch, t);
   const Vec3 centroid = (corners[0] + corners[1] + corners[2]) / 3;
   DistanceBand::Near& near = batch.near[t];
   near.face = state.face_near[batch.face[t]];
@@ -310,7 +304,7 @@ void measure_face(const CageState& state, const DistanceBand& band, double enoug
 // Distances of centroids as a band on both sides wants them: of a face near by, and on the side of its plane.
 void sign_distance(const CageState& state, const DistanceBand& band, const BandLimits& limits, PatchBatch& batch,
                    std::size_t t) {
-  const auto [a, b, c] = corners_of(state, batch, t);
+  const auto [a, b, c] = patch_corners(state.mesh, batch, t);
   const Vec3 centroid = (a + b + c) / 3;
   DistanceBand::Near& near = batch.near[t];
   near = near_with_hint(band, limits, centroid, near.face);
@@ -321,7 +315,7 @@ void sign_distance(const CageState& state, const DistanceBand& band, const BandL
 // its points at least? As inverted_faces.h counts; nearly always the first point answers.
 bool looks_as_the_input(const CageState& state, const DistanceBand& band, const PatchBatch& batch, std::size_t t) {
   const TriangleRef p = patch_triangle(state.mesh, batch, t);
-  const Corners corners = corners_of(state, batch, t);
+  const Corners corners = patch_corners(state.mesh, batch, t);
   std::uint32_t near = batch.near[t].face;
   bool looks = false;
   for_each_lattice_point([&](const Barycentric& weights) {
@@ -363,7 +357,7 @@ Verdict measure_patch(const CageState& state, DistanceBand& band, const BandLimi
       lower_reach(batch, t, inherited);
     }
     if (batch.reach[t] > limits.reach) {
-      const auto [a, b, c] = corners_of(state, batch, t);
+      const auto [a, b, c] = patch_corners(state.mesh, batch, t);
       lower_reach(batch, t, band.reach(a, b, c, limits.reach, batch.near[t].distance <= limits.reach));
     }
     if (batch.reach[t] > limits.reach) return Verdict::beyond_tau;
@@ -387,6 +381,11 @@ TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std
   const Triangle& v = batch.triangle[t];
   const auto at = [&](std::uint32_t u) { return u == batch.moved[patch] ? batch.point[patch].data() : mesh.point(u); };
   return {{at(v[0]), at(v[1]), at(v[2])}, {v[0], v[1], v[2]}};
+}
+
+Corners patch_corners(const CornerTable& mesh, const PatchBatch& batch, std::size_t t) {
+  const TriangleRef triangle = patch_triangle(mesh, batch, t);
+  return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
 }
 
 void set_bounds(const CornerTable& mesh, const UnitFrame& frame, PatchBatch& batch) {

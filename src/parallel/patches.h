@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/lattice.h"
 #include "core/triangle_pair.h"
 #include "parallel/cage_state.h"
 #include "parallel/candidates.h"
@@ -19,7 +20,8 @@ namespace prcage {
 enum class Verdict : std::uint8_t {
   accepted,
   sweeps_inward,   // exact orientation: the cage would move inside one of its faces
-  turns_over,      // a new face would look away from those that it replaces or from the input: bands on both sides
+  turns_over,      // a new face would look away from those that it replaces or from the input: bands on both sides;
+                   // or faces would look away from the input more than they did: moves that are to align them
   degenerate,      // a new face is degenerate, or the patch meets itself
   beyond_tau,      // not proved to be within tau of the input
   hits_cage,       // meets the rest of the cage
@@ -73,6 +75,7 @@ struct PatchBatch {
 
 // Triangle t of the batch with the positions that it would have.
 TriangleRef patch_triangle(const CornerTable& mesh, const PatchBatch& batch, std::size_t t);
+Corners patch_corners(const CornerTable& mesh, const PatchBatch& batch, std::size_t t);
 
 // Is the patch still in the race, while other threads may be rejecting it?
 inline bool alive(PatchBatch& batch, std::uint32_t patch) {

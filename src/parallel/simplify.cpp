@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/area_samples.h"
 #include "core/schedule.h"
 #include "parallel/certify.h"
 #include "parallel/deviation.h"
@@ -103,13 +102,9 @@ std::string error_in(const LowPolyOptions& options) {
 }
 
 CoverageSamples samples_of(const Mesh& surface, double area, double tau) {
-  const std::size_t stride = (surface.positions.size() + most_vertices - 1) / most_vertices;
-  CoverageSamples samples;
-  for (std::size_t v = 0; v < surface.positions.size(); v += stride) samples.points.push_back(surface.positions[v]);
   const double wanted = area / std::pow(spacing_share * tau, 2);
   const std::size_t count = wanted < most_spread ? 1 + static_cast<std::size_t>(wanted) : most_spread;
-  const AreaSamples spread(surface.positions, surface.triangles, count, CounterRandom(0, 0));
-  for (std::size_t i = 0; i < spread.size(); ++i) samples.points.push_back(position(spread[i].point));
+  CoverageSamples samples = samples_of(surface, most_vertices, count);
   samples.margin = rise_between * std::sqrt(area / static_cast<double>(count));
   return samples;
 }

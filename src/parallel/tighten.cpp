@@ -114,7 +114,36 @@ bool widens(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
   return after > least_widening * before && volume <= 0;
 }
 
-enum class MoveKind { inward, tilted, widening };
+// The angle between the normals of a triangle and of the input, in the mean over the triangle, times its area.
+double turned_away(const DistanceBand& band, const Corners& p, std::uint32_t hint) {
+  constexpr Barycentric samples[] = {{1 / 3.0, 1 / 3.0, 1 / 3.0},
+                                     {2 / 3.0, 1 / 6.0, 1 / 6.0},
+                                     {1 / 6.0, 2 / 3.0, 1 / 6.0},
+                                     {1 / 6.0, 1 / 6.0, 2 / 3.0}};
+  const Vec3 normal = scaled_normal(p[0], p[1], p[2]);
+  double sum = 0;
+  for (const Barycentric& weights : samples) {
+    hint = band.nearest(at(p, weights), hint).face;
+    const Vec3 wanted = band.area_normal(hint);
+    sum += std::atan2(normal.cross(wanted).norm(), normal.dot(wanted));
+  }
+  return normal.norm() * sum / std::size(samples);
+}
+
+// Of all faces of a patch and of those that they replace: by how much is there more of it?
+double turning(const CageState& state, const DistanceBand& band, const PatchBatch& batch, std::size_t i) {
+  const CornerTable& mesh = state.mesh;
+  double sum = 0;
+  for (const std::uint32_t f : batch.removed_faces(i)) {
+    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
+    sum -= turned_away(band, {mesh.vec_at(v[0]), mesh.vec_at(v[1]), mesh.vec_at(v[2])}, state.face_near[f]);
+  }
+  for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t)
+    sum += turned_away(band, patch_corners(mesh, batch, t), batch.near[t].face);
+  return sum;
+}
+
+enum class MoveKind { inward, tilted, aligning, widening };
 
 class Tightening {
  public:
@@ -136,6 +165,7 @@ class Tightening {
       flip(FlipGoal::volume);
       flip(FlipGoal::angle);
     }
+    for (int pass = 0; pass < settings_.aligning_passes; ++pass) move(MoveKind::aligning, settings_.passes + pass);
     move(MoveKind::widening, 0);
   }
 
@@ -156,14 +186,14 @@ class Tightening {
     parallel_each(moves_.size(), 16, [&](std::size_t i) {
       const auto v = static_cast<std::uint32_t>(i);
       moves_[i] = kind == MoveKind::widening ? widening_move(mesh, v)
-                                             : first_move(state_, band_, v, kind == MoveKind::tilted ? &tilt : nullptr);
+                                             : first_move(state_, band_, v, kind == MoveKind::inward ? nullptr : &tilt);
     });
     for (std::uint64_t round = 0; !stopped(); ++round) {
       parallel_each(moves_.size(), 256, [&](std::size_t i) { shorten(kind, static_cast<std::uint32_t>(i)); });
       const auto wanted = [&](std::uint32_t v) { return moves_[v].length > 0; };
       const std::vector<Candidate> selected = select_independent_vertices(mesh, settings_.seed + round, wanted);
       if (selected.empty()) break;
-      try_moves(selected);
+      try_moves(kind, selected);
     }
   }
 
@@ -179,7 +209,7 @@ class Tightening {
     if (move.length < settings_.shortest) move.length = 0;
   }
 
-  void try_moves(const std::vector<Candidate>& selected) {
+  void try_moves(MoveKind kind, const std::vector<Candidate>& selected) {
     const CornerTable& mesh = state_.mesh;
     std::vector<Position> points(selected.size());
     for (std::size_t i = 0; i < selected.size(); ++i) {
@@ -195,6 +225,10 @@ class Tightening {
     reject_conflicts(state_, device_, batch);
     test_patches_against_band(state_, band_, settings_.limits, batch);
     if (settings_.coverage != nullptr) settings_.coverage->test(state_, settings_.limits.centroids, batch);
+    if (kind == MoveKind::aligning)
+      parallel_each(batch.size(), 1, [&](std::size_t i) {
+        if (batch.alive(i) && turning(state_, band_, batch, i) > 0) batch.verdict[i] = Verdict::turns_over;
+      });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       Move& move = moves_[batch.moved[i]];
       if (batch.verdict[i] == Verdict::conflict) continue;  // another one goes first

@@ -4,7 +4,9 @@
 // and the new ones. The obstacle was inside before and cannot get out without touching the surface.
 //
 // Distance is not paid for with slivers: flips that raise the smallest angle go in between, and in the end vertices
-// slide along the surface where that widens the narrowest faces around them and adds no volume.
+// slide along the surface where that widens the narrowest faces around them and adds no volume. Passes before that may
+// be limited to moves that turn no star away from the input's normals: these are what moves for the sake of volume
+// alone spoil.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +19,7 @@ namespace prcage {
 struct TightenSettings {
   BandLimits limits;
   int passes = 1;
+  int aligning_passes = 0;  // after those
   bool flips = true;
   // Moves shorter than this, input's unit, are not worth their tests.
   double shortest = 0;
