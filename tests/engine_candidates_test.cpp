@@ -123,6 +123,27 @@ TEST(Placement, CostIsTheQuadricErrorAtTheSolution) {
   });
 }
 
+TEST(Placement, WithoutConstraintsIsTheMinimumOfTheQuadric) {
+  const Mesh input = testing::shape("bumpy", 400);
+  in_arena(1, [&] {
+    const Stage stage(input);
+    const CageState state = stage.state_of(input);
+    PlacementSettings settings = stage.placement(1e-9);
+    settings.regularization = 1e-9;
+    settings.constrained = false;
+    for (const std::uint32_t h : edges_of(state.mesh)) {
+      const Placed placed = place(state, settings, h);
+      const double edge = (state.mesh.vec_at(state.mesh.origin(h)) - state.mesh.vec_at(state.mesh.target(h))).norm();
+      const double rounding = 1e-6 * edge * edge * edge * edge;
+      EXPECT_LT(placed.cost, std::numeric_limits<double>::infinity());
+      for (int k = 0; k < 6; ++k) {
+        const Vec3 beside = placed.point + (k < 3 ? 0.1 : -0.1) * edge * Vec3::Unit(k % 3);
+        EXPECT_LE(placed.cost, quadric_error(state.mesh, h, beside) + rounding);
+      }
+    }
+  });
+}
+
 // Costs without a unit, so that the order of the candidates does not depend on how large the input is or where.
 TEST(Placement, CostsAreFreeOfUnits) {
   const Mesh input = testing::shape("bracket", 150);

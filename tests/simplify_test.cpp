@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine_stages.h"
+#include "parallel/engine.h"
 #include "parallel/flips.h"
 #include "parallel/obstacle.h"
 #include "parallel/side_test.h"
@@ -196,6 +197,16 @@ TEST(SimplifyResults, UseFewerFacesThanACageAndReachBudgets) {
   const SimplifyResult few = simplify(input, options);
   EXPECT_EQ(few.status, Status::face_budget_not_reached);
   expect_sound(input, options, few);
+}
+
+TEST(SimplifyResults, FlipsAreLeftOutWhereTheInputIsNotBounded) {
+  const Mesh input = shape("bumpy", 800);
+  SimplifyOptions options;
+  EXPECT_GT(simplify(input, options).statistics.counts.flips, 0u);
+  options.bound = Bound::cage;
+  const SimplifyResult r = simplify(input, options);
+  expect_sound(input, options, r);
+  EXPECT_EQ(r.statistics.counts.flips_tried, 0u);
 }
 
 TEST(SimplifyResults, FlatFacesCostNothing) {
@@ -452,6 +463,35 @@ TEST(SimplifyStages, PatchesThatTurnFacesOverAreRejected) {
     EXPECT_EQ(verdict({0.5, 0.5, 0.15}), Verdict::accepted);    // inward
     EXPECT_EQ(verdict({0.9, 0.5, 0.2}), Verdict::turns_over);   // beyond its star
     EXPECT_EQ(verdict({0.75, 0.5, 0.2}), Verdict::turns_over);  // onto its rim
+  });
+}
+
+TEST(SimplifyStages, WithoutConstraintsNothingButTheTopologyIsKept) {
+  const Mesh input = shape("gyroid", 2000);
+  in_arena(2, [&] {
+    Stage stage(input);
+    const auto faces_at = [&](bool constrained) {
+      CageState state = stage.state_of(input);
+      Options options;
+      options.face_budget = 600;
+      options.flips = false;
+      Statistics statistics;
+      EngineContext context{};
+      context.options = &options;
+      context.diagonal = stage.diagonal;
+      context.thickness = {1e-6 * stage.diagonal};
+      context.frame = stage.tree.frame();
+      context.device = &stage.device;
+      context.band = stage.band.get();
+      context.statistics = &statistics;
+      context.band_shape.sides = Sides::both;
+      context.constrained = constrained;
+      run_engine(state, context);
+      EXPECT_EQ(topology(state.mesh.to_mesh()), topology(input));
+      return state.live_faces;
+    };
+    EXPECT_GT(faces_at(true), 1000u);
+    EXPECT_EQ(faces_at(false), 600u);
   });
 }
 

@@ -430,7 +430,7 @@ void add_simplify(CLI::App& app, SimplifyCommand& command, std::optional<MeshFor
   add_tolerances(app, command.options, switches.tau);
   add_flag(app, "--one-way", switches.one_way,
            "Bound the distance of the surface to the input only, not that of\n"
-           "samples of the input to the surface");
+           "samples of the input to the surface; no edges are flipped");
   add_simplify_cycles(app, command.options);
   add_surface_settings(app, command, format, switches.no_edge_flips);
   app.callback([&command, &format, &switches] { finish_simplify(command, format, switches); });

@@ -47,7 +47,24 @@ class Parts(unittest.TestCase):
             self.assertGreater(middle[2] - 0.5, ground + 1.0 * number)
 
 
+    def test_united_copies_are_turned_and_moved(self):
+        mesh = [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]
+        points, triangles = parts.united(mesh, [parts.place(0, 0, 0), parts.place(5, 6, 7, 90)])
+        self.assertEqual(triangles, [(0, 1, 2), (3, 4, 5)])
+        for found, expected in zip(points, [*mesh[0], (5, 6, 7), (5, 7, 7), (4, 6, 7)], strict=True):
+            for x, y in zip(found, expected):
+                self.assertAlmostEqual(x, y)
+
+
 class Files(unittest.TestCase):
+    def test_binary_files_are_read_as_they_are(self):
+        with tempfile.TemporaryDirectory() as name:
+            directory = pathlib.Path(name)
+            text, binary = proxies.fetch("part:link", PROGRAM, directory), directory / "binary.ply"
+            proxies.run([PROGRAM, "pose", text, "--twist", 0, "--format", "ply", "-o", binary])
+            self.assertIn(b"format binary", binary.read_bytes())
+            self.assertEqual(proxies.read_mesh(PROGRAM, binary, directory), parts.link())
+
     def test_off(self):
         points, triangles = proxies.read_off("OFF # a comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
         self.assertEqual(points, [(0, 0, 0), (1, 0, 0), (0, 1, 0)])

@@ -120,3 +120,14 @@ def pile_places(low, high, parts=5):
         y = -(turn[1] * middle[0] + turn[0] * middle[1])
         places.append(place(x, y, PILE_GAP * diagonal - low[2] + i * pitch, 90 * (i % 4)))
     return places, 0.0
+
+
+def united(mesh, places):
+    """The copies of a mesh in all places, as one mesh."""
+    points, triangles = mesh
+    all_points, all_triangles = [], []
+    for put in places:
+        first = len(all_points)
+        all_points += [tuple(sum(a * x for a, x in zip(row, (*p, 1))) for row in put["matrix"][:3]) for p in points]
+        all_triangles += [tuple(first + i for i in t) for t in triangles]
+    return all_points, all_triangles

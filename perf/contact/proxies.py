@@ -52,6 +52,13 @@ def read_off(text):
     return points, [tuple(map(int, rest[4 * i + 1:4 * i + 4])) for i in range(faces)]
 
 
+def read_mesh(program, mesh, directory):
+    """Of any file that prcage reads: a pose by no degrees is the same mesh."""
+    path = directory / f"{pathlib.Path(mesh).stem}.off"
+    run([program, "pose", mesh, "--twist", 0, "-o", path])
+    return read_off(path.read_text(encoding="ascii"))
+
+
 def fetch(mesh, program, directory):
     """The PLY file of a mesh: a file (PLY or OFF), `cgal:NAME` from Debian's libcgal-demo, `part:NAME` of parts.py, or
     the name of a shape of `prcage make`. Blender reads PLY, not OFF."""

@@ -137,6 +137,7 @@ void solve_placements(const PlacementSettings& settings, PlacementBatch& batch) 
   batch.cost.resize(n);
   if (n == 0) return;
   make_problems(settings, batch);
+  if (!settings.constrained) std::fill(batch.first_plane.begin(), batch.first_plane.end(), 0);
   for (std::size_t i = 0; i < n; ++i) scale_problem(settings, batch, i);
   const Qp3Batch problems{batch.scaled_form, batch.scaled_linear, batch.first_plane, batch.nx, batch.ny,
                           batch.nz,          batch.offset};

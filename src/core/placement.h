@@ -33,6 +33,8 @@ struct PlacementSettings {
   // Shortest unit of a local frame, input's unit: edges of length zero have no frame of their own.
   double min_scale = 0;
   bool float_positions = false;
+  // False: the minimum of the quadric, whatever its planes say.
+  bool constrained = true;
   // Makes costs free of units: 1 / l^2 for the square root of an area times a squared length.
   double cost_scale = 1;
   SimdLevel simd = simd_level();

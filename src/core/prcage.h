@@ -238,7 +238,8 @@ struct SimplifyOptions {
   double tau_outer = 1.0 / 100;
   bool absolute = false;
   TauMode tau_mode = TauMode::strict;  // strict: every point of the surface, each on its side
-  // both: the input as well is within the larger of the two of the surface, at up to 180,000 samples.
+  // both: the input as well is within the larger of the two of the surface, at up to 180,000 samples. cage: no edge is
+  // flipped, since nothing would keep flips from moving the surface away from the input.
   Bound bound = Bound::both;
 
   int cycles = 10;               // as in Options

@@ -55,6 +55,7 @@ class Engine {
     settings_.float_positions = options.precision == Precision::float32;
     if (settings_.float_positions) settings_.absolute_margin = float_margin(state.mesh);
     if (context.band_shape.sides == Sides::both) settings_.regularization = regularization_between_sides;
+    settings_.constrained = context.constrained;
   }
 
   EngineOutcome run() {
@@ -165,10 +166,22 @@ class Engine {
     timed(seconds.evaluate, [&] { placed = place_collapses(state_, settings_, selected); });
     limit_to_budget(placed);
     PatchBatch batch;
-    timed(seconds.build, [&] {
-      batch = build_collapses(state_, context_.frame, placed);
-      test_patches_locally(state_, batch, limits_.sides);
+    timed(seconds.build, [&] { batch = build_collapses(state_, context_.frame, placed); });
+    if (context_.constrained) test_collapses(batch);
+    timed(seconds.commit, [&] {
+      commit_collapses(state_, batch);
+      if (context_.room != nullptr) context_.room->measure(batch, state_);
+      if (coverage() != nullptr) coverage()->commit(batch);
     });
+    cycle.counts.selected += selected.size();
+    cycle.counts.postponed += selected.size() - batch.size();
+    count(batch, cycle.counts);
+    return true;
+  }
+
+  void test_collapses(PatchBatch& batch) {
+    StageSeconds& seconds = context_.statistics->seconds;
+    timed(seconds.build, [&] { test_patches_locally(state_, batch, limits_.sides); });
     timed(seconds.distance, [&] { test_patches_against_band(state_, *context_.band, limits_, batch); });
     timed(seconds.collide, [&] {
       if (many_components()) context_.input->reject_sweeps(state_, batch);
@@ -180,15 +193,6 @@ class Engine {
       if (coverage() != nullptr) coverage()->test(state_, limits_.centroids, batch);
       if (context_.side_test != nullptr) context_.side_test->reject_wrong_sides(state_, limits_, batch);
     });
-    timed(seconds.commit, [&] {
-      commit_collapses(state_, batch);
-      if (context_.room != nullptr) context_.room->measure(batch, state_);
-      if (coverage() != nullptr) coverage()->commit(batch);
-    });
-    cycle.counts.selected += selected.size();
-    cycle.counts.postponed += selected.size() - batch.size();
-    count(batch, cycle.counts);
-    return true;
   }
 
   void limit_to_budget(PlacedCollapses& placed) const {

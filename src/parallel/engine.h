@@ -40,6 +40,7 @@ struct EngineContext {
   bool refits = false;                     // vertices move to where the input wants them
   double area = 0;                         // of the input, if so
   bool estimates = false;                  // only how far the thickness would have to grow is wanted
+  bool constrained = true;                 // false: collapses keep to the topology and to nothing else, to compare with
 };
 
 enum class EngineOutcome { schedule_finished, budget_reached, stopped };

@@ -65,6 +65,8 @@ Task simplification(const SimplifyOptions& options) {
   task.engine.tau = options.absolute ? 1 : tau_of(options);
   task.engine.tau_absolute = options.absolute ? tau_of(options) : 0;
   task.engine.bound = options.bound;
+  // Flips wear a surface down for the sake of angles, which only the samples of the input prevent.
+  task.engine.flips = options.flips && options.bound == Bound::both;
   task.engine.cycles = options.cycles;
   task.engine.schedule = options.schedule;
   task.engine.face_budget = options.face_budget;
