@@ -3,11 +3,12 @@
 //
 // - A step of the active-set method treats a group of problems at once, one a lane.
 // - Before a step each problem looks for its most violated plane by itself, with the planes in the lanes: nothing is
-//   transposed or padded, and no lane works for a problem that is solved. The least slack and the first plane that has
-//   it do not depend on the order of the comparisons, so that the width of the vectors does not show.
+//   transposed or padded, and no lane works for a problem that is solved. What the lanes of a problem found is reduced
+//   for a vector of problems at once. The least slack and the first plane that has it do not depend on the order of the
+//   comparisons, so that the width of the vectors does not show.
 //
-// The groups are made of problems with about equally many planes: then the branches are predictable. A problem's
-// solution depends neither on its group nor on its place in it.
+// Groups are runs of neighbours: the planes are read in order, and while one group is solved those of the next arrive.
+// A problem's solution depends neither on its group nor on its place in it.
 //
 // For the sources named qp3_<instruction set>.cpp only; see qp3_kernel.h for what must not be used here.
 #pragma once
@@ -28,23 +29,39 @@ constexpr std::size_t group_size = 2 * Lanes::size;
 // A set of problems of a group, a bit each.
 using ProblemSet = unsigned;
 
-// What xsimd 8 lacks: the smallest lane of a vector without NaNs, and a mask as bits.
-inline double smallest_lane(__m128d v) { return _mm_cvtsd_f64(_mm_min_pd(v, _mm_unpackhi_pd(v, v))); }
+// What xsimd 8 lacks: a mask as bits, and the smallest number of each row of a square matrix, row l in lane l. There
+// are no NaNs among them.
 inline ProblemSet mask_bits(__m128d mask) { return static_cast<ProblemSet>(_mm_movemask_pd(mask)); }
-#ifdef __AVX2__
-inline double smallest_lane(__m256d v) {
-  return smallest_lane(_mm_min_pd(_mm256_castpd256_pd128(v), _mm256_extractf128_pd(v, 1)));
+inline __m128d row_minima(const __m128d rows[2]) {
+  return _mm_min_pd(_mm_unpacklo_pd(rows[0], rows[1]), _mm_unpackhi_pd(rows[0], rows[1]));
 }
+#ifdef __AVX2__
 inline ProblemSet mask_bits(__m256d mask) { return static_cast<ProblemSet>(_mm256_movemask_pd(mask)); }
+inline __m256d row_minima(const __m256d rows[4]) {
+  const auto halves = [](__m256d a, __m256d b) {
+    return _mm256_min_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31));
+  };
+  const __m256d even = halves(rows[0], rows[2]), odd = halves(rows[1], rows[3]);
+  return _mm256_min_pd(_mm256_unpacklo_pd(even, odd), _mm256_unpackhi_pd(even, odd));
+}
 #endif
 #ifdef __AVX512F__
-inline double smallest_lane(__m512d v) {
-  return smallest_lane(_mm256_min_pd(_mm512_castpd512_pd256(v), _mm512_extractf64x4_pd(v, 1)));
-}
 inline ProblemSet mask_bits(__mmask8 mask) { return mask; }
+inline __m512d row_minima(const __m512d rows[8]) {
+  const auto halves = [](__m512d a, __m512d b) {
+    return _mm512_min_pd(_mm512_shuffle_f64x2(a, b, 0x44), _mm512_shuffle_f64x2(a, b, 0xee));
+  };
+  const auto quarters = [](__m512d a, __m512d b) {
+    return _mm512_min_pd(_mm512_shuffle_f64x2(a, b, 0x88), _mm512_shuffle_f64x2(a, b, 0xdd));
+  };
+  const __m512d even = quarters(halves(rows[0], rows[2]), halves(rows[4], rows[6]));
+  const __m512d odd = quarters(halves(rows[1], rows[3]), halves(rows[5], rows[7]));
+  return _mm512_min_pd(_mm512_unpacklo_pd(even, odd), _mm512_unpackhi_pd(even, odd));
+}
 #endif
 
-inline double smallest(const Lanes& v) { return smallest_lane(static_cast<Lanes::register_type>(v)); }
+using Register = Lanes::register_type;
+
 inline ProblemSet bits(const LaneMask& m) { return mask_bits(static_cast<LaneMask::register_type>(m)); }
 
 // First element of a set that is not empty.
@@ -161,31 +178,25 @@ inline GroupResult step_group(ProblemSet running, Group& group) {
   return results;
 }
 
-// The lowest number in `plane` among the lanes of `holders`.
-inline std::size_t lowest_plane(const Lanes& plane, ProblemSet holders) {
-  alignas(64) double number[Lanes::size];
-  plane.store_aligned(number);
-  double lowest = number[first_of(holders)];
-  while ((holders &= holders - 1) != 0) {
-    const double other = number[first_of(holders)];
-    lowest = other < lowest ? other : lowest;
-  }
-  return static_cast<std::size_t>(lowest);
-}
+// The planes that the problems of a vector violate most. A row is a problem's: planes are dealt to its lanes in turn,
+// and what remains in a lane is the least slack, the tolerance at most, with the number of the first plane that has it.
+struct Looks {
+  Register slack[Lanes::size];
+  Register plane[Lanes::size];
+};
 
-// As find_violation, a vector of planes at a time.
-inline bool find_violation_in_lanes(const PlaneArrays& planes, const Triple<double>& point, double tolerance,
-                                    Violation& found) {
+// As find_violation, a vector of planes at a time and without a branch on what is found.
+inline void look_in_lanes(const PlaneArrays& planes, const Triple<double>& point, double tolerance, Looks& looks,
+                          std::size_t row) {
   constexpr std::size_t width = Lanes::size;
   alignas(64) static constexpr double numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-  if (planes.count < width) return find_violation(planes, point, tolerance, found);
   const Lanes x(point.x), y(point.y), z(point.z);
-  Lanes worst(-tolerance), plane(0.0);
+  Lanes least(-tolerance), plane(0.0);
   const auto compare = [&](std::size_t i, const Lanes& number) {
     const Lanes slack = Lanes::load_unaligned(planes.nx + i) * x + Lanes::load_unaligned(planes.ny + i) * y +
                         Lanes::load_unaligned(planes.nz + i) * z - Lanes::load_unaligned(planes.offset + i);
-    plane = select(slack < worst, number, plane);
-    worst = min(slack, worst);  // the second if the first is a NaN
+    plane = select(slack < least, number, plane);
+    least = min(slack, least);  // the second if the first is a NaN
   };
   const std::size_t last = planes.count - width;
   Lanes number = Lanes::load_aligned(numbers);
@@ -195,10 +206,8 @@ inline bool find_violation_in_lanes(const PlaneArrays& planes, const Triple<doub
   }
   // Overlaps the vector before: planes seen twice change nothing.
   compare(last, Lanes::load_aligned(numbers) + Lanes(static_cast<double>(last)));
-  found.slack = smallest(worst);
-  if (!(found.slack < -tolerance)) return false;
-  found.plane = lowest_plane(plane, bits(worst == Lanes(found.slack)));
-  return true;
+  looks.slack[row] = least;
+  looks.plane[row] = plane;
 }
 
 // Solves one group after the other.
@@ -207,14 +216,16 @@ class GroupSolver {
   explicit GroupSolver(const QpBatchArrays& batch) : batch_(batch) {}
 
   // Up to group_size problems.
-  void solve(const std::uint32_t* problem, std::size_t count) {
-    problem_ = problem;
+  void solve(std::size_t begin, std::size_t count) {
+    begin_ = begin;
     const ProblemSet all = (1u << count) - 1;
     const ProblemSet positive = start_group(count);
     finish(all & ~positive, QpStatus::not_converged);
     ProblemSet running = all & positive;
     ProblemSet looking = running;
+    const double* const arrays[] = {batch_.nx, batch_.ny, batch_.nz, batch_.offset};
     for (int steps = 0;; ++steps) {
+      ahead_ = steps < 4 ? arrays[steps] : nullptr;
       running &= ~look(looking);
       if (running == 0) return;
       if (steps == max_steps) break;
@@ -231,7 +242,7 @@ class GroupSolver {
   ProblemSet start_group(std::size_t count) {
     Row form[6], linear[3];
     for (std::size_t l = 0; l < group_size; ++l) {
-      const std::size_t i = problem_[l < count ? l : 0];
+      const std::size_t i = begin_ + (l < count ? l : 0);
       for (std::size_t k = 0; k < 6; ++k) form[k].of[l] = batch_.form[6 * i + k];
       for (std::size_t k = 0; k < 3; ++k) linear[k].of[l] = batch_.linear[3 * i + k];
     }
@@ -240,26 +251,55 @@ class GroupSolver {
 
   // Finds the plane to enter for each problem of `looking`. Finishes and returns those that violate none.
   ProblemSet look(ProblemSet looking) {
-    ProblemSet done = 0;
-    for (ProblemSet rest = looking; rest != 0; rest &= rest - 1) {
-      const std::size_t l = first_of(rest);
-      const PlaneArrays planes = planes_of(batch_, problem_[l]);
-      const Triple<double> x{group_.x[0].of[l], group_.x[1].of[l], group_.x[2].of[l]};
-      Violation worst;
-      if (find_violation_in_lanes(planes, x, batch_.tolerance, worst)) {
-        group_.plane[0].of[l] = planes.nx[worst.plane];
-        group_.plane[1].of[l] = planes.ny[worst.plane];
-        group_.plane[2].of[l] = planes.nz[worst.plane];
-        group_.slack.of[l] = worst.slack;
-      } else {
-        finish_at(problem_[l], x);
-        done |= 1u << l;
-      }
+    ProblemSet done = looking;
+    for (std::size_t at = 0; at < group_size; at += Lanes::size) {
+      const ProblemSet part = looking & (((1u << Lanes::size) - 1) << at);
+      for (ProblemSet rest = part; rest != 0; rest &= rest - 1) look_at(first_of(rest), at);
+      if (part != 0) done &= ~choose_planes(part, at);
     }
+    for (ProblemSet rest = done; rest != 0; rest &= rest - 1) finish_at(first_of(rest));
     return done;
   }
 
-  void finish_at(std::size_t i, const Triple<double>& x) {
+  void look_at(std::size_t l, std::size_t at) {
+    const std::size_t i = begin_ + l;
+    const PlaneArrays planes = planes_of(batch_, i);
+    // Of the next group's problem, one of the four arrays at each of the first looks: so the memory is busy all the
+    // time. Most problems have about 32 planes.
+    if (ahead_ != nullptr && i + group_size < batch_.count)
+      for (std::size_t k = 0; k < 32; k += 8) __builtin_prefetch(ahead_ + batch_.first_plane[i + group_size] + k);
+    const Triple<double> x{group_.x[0].of[l], group_.x[1].of[l], group_.x[2].of[l]};
+    if (planes.count >= Lanes::size) return look_in_lanes(planes, x, batch_.tolerance, looks_, l - at);
+    Violation worst;
+    if (!find_violation(planes, x, batch_.tolerance, worst)) worst = {0, -batch_.tolerance};
+    looks_.slack[l - at] = Lanes(worst.slack);
+    looks_.plane[l - at] = Lanes(static_cast<double>(worst.plane));
+  }
+
+  // Writes the planes to enter of the problems of `looking`, all of one vector. Returns the problems that have one.
+  ProblemSet choose_planes(ProblemSet looking, std::size_t at) {
+    const Lanes slack = row_minima(looks_.slack);
+    Row least, plane;
+    store(slack, least, 0);
+    Register number[Lanes::size];
+    for (std::size_t l = 0; l < Lanes::size; ++l)
+      number[l] = select(Lanes(looks_.slack[l]) == Lanes(least.of[l]), Lanes(looks_.plane[l]), Lanes(infinity));
+    store(row_minima(number), plane, 0);
+    const ProblemSet entering = looking & (bits(slack < Lanes(-batch_.tolerance)) << at);
+    for (std::size_t l = at; l < at + Lanes::size; ++l) {
+      if ((entering >> l & 1) == 0) continue;
+      const std::size_t worst = batch_.first_plane[begin_ + l] + static_cast<std::uint32_t>(plane.of[l - at]);
+      group_.plane[0].of[l] = batch_.nx[worst];
+      group_.plane[1].of[l] = batch_.ny[worst];
+      group_.plane[2].of[l] = batch_.nz[worst];
+      group_.slack.of[l] = least.of[l - at];
+    }
+    return entering;
+  }
+
+  void finish_at(std::size_t l) {
+    const Triple<double> x{group_.x[0].of[l], group_.x[1].of[l], group_.x[2].of[l]};
+    const std::size_t i = begin_ + l;
     batch_.status[i] = status_at(x);
     if (batch_.status[i] != QpStatus::solved) return;
     batch_.x[3 * i] = x.x;
@@ -268,37 +308,20 @@ class GroupSolver {
   }
 
   void finish(ProblemSet done, QpStatus status) {
-    for (ProblemSet rest = done; rest != 0; rest &= rest - 1) batch_.status[problem_[first_of(rest)]] = status;
+    for (ProblemSet rest = done; rest != 0; rest &= rest - 1) batch_.status[begin_ + first_of(rest)] = status;
   }
 
   const QpBatchArrays& batch_;
-  const std::uint32_t* problem_ = nullptr;
+  std::size_t begin_ = 0;
+  const double* ahead_ = nullptr;  // the array to fetch for the next group
   Group group_{};
+  Looks looks_{};
 };
 
-// Problems [begin, begin + count) in order of their numbers of planes, a counting sort.
-inline void sort_by_planes(const QpBatchArrays& batch, std::size_t begin, std::size_t count, std::uint32_t* sorted) {
-  constexpr std::size_t buckets = 32, planes_per_bucket = 4;
-  const auto bucket = [&](std::size_t i) {
-    const std::size_t b = (batch.first_plane[i + 1] - batch.first_plane[i]) / planes_per_bucket;
-    return b < buckets ? b : buckets - 1;
-  };
-  std::uint32_t position[buckets + 1] = {};
-  for (std::size_t i = begin; i < begin + count; ++i) ++position[bucket(i) + 1];
-  for (std::size_t b = 0; b < buckets; ++b) position[b + 1] += position[b];
-  for (std::size_t i = begin; i < begin + count; ++i) sorted[position[bucket(i)]++] = static_cast<std::uint32_t>(i);
-}
-
 inline void solve_in_lanes(const QpBatchArrays& batch) {
-  constexpr std::size_t chunk = 128;  // planes of so many problems stay in the cache
-  std::uint32_t sorted[chunk];
   GroupSolver solver(batch);
-  for (std::size_t begin = 0; begin < batch.count; begin += chunk) {
-    const std::size_t count = batch.count - begin < chunk ? batch.count - begin : chunk;
-    sort_by_planes(batch, begin, count, sorted);
-    for (std::size_t i = 0; i < count; i += group_size)
-      solver.solve(sorted + i, count - i < group_size ? count - i : group_size);
-  }
+  for (std::size_t begin = 0; begin < batch.count; begin += group_size)
+    solver.solve(begin, batch.count - begin < group_size ? batch.count - begin : group_size);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/schedule.h"
 #include "parallel/commit.h"
@@ -25,6 +26,8 @@ constexpr double shortest_move = 0.02;
 // Where the thickness is found, tightening begins when the cage has come down to so many times its budget, since it
 // lets smaller thicknesses do. A given thickness is used up first.
 constexpr std::size_t earliest_tightening = 6;
+// Growths, all alike, into which the last one of the thickness is divided to see whether less is enough.
+constexpr int last_step_parts = 4;
 // Passes of refitting in the end, and what moves are worth it, of the thickness of the cycle.
 constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
@@ -64,13 +67,52 @@ class Engine {
       if (budget_reached()) return EngineOutcome::budget_reached;
       if (stopped()) return EngineOutcome::stopped;
       if (k == 0) timed(context_.statistics->seconds.commit, [&] { sort_along_curve(state_); });
+      std::optional<Snapshot> before;
+      if (k > 0 && near_the_budget() && !context_.estimates) before = snapshot();
       run_cycle(k);
+      if (before && budget_reached() && !stopped()) divide_last_step(k, *before);
     }
     if (stopped()) return EngineOutcome::stopped;
     return budget_reached() ? EngineOutcome::budget_reached : EngineOutcome::schedule_finished;
   }
 
  private:
+  // What a cycle changes.
+  struct Snapshot {
+    CageState state;
+    std::optional<Coverage> coverage;
+    Statistics statistics;
+  };
+  Snapshot snapshot() const {
+    Snapshot now{state_, {}, *context_.statistics};
+    if (context_.coverage != nullptr) now.coverage = *context_.coverage;
+    return now;
+  }
+  void restore(const Snapshot& then) {
+    state_ = then.state;
+    if (context_.coverage != nullptr) *context_.coverage = *then.coverage;
+    const StageSeconds spent = context_.statistics->seconds;
+    *context_.statistics = then.statistics;
+    context_.statistics->seconds = spent;
+  }
+
+  // The budget was reached in cycle k: with less than all of its growth of the thickness, perhaps?
+  void divide_last_step(std::size_t k, const Snapshot& before) {
+    const Snapshot reached = snapshot();
+    restore(before);
+    const double from = context_.thickness[k - 1], growth = context_.thickness[k] / from;
+    for (int part = 1; part < last_step_parts && !stopped(); ++part) {
+      run_cycle(k, from * std::pow(growth, static_cast<double>(part) / last_step_parts));
+      if (budget_reached() && !stopped()) return;
+    }
+    restore(reached);
+  }
+
+  bool near_the_budget() const {
+    return finds_thickness(*context_.options) &&
+           state_.live_faces <= earliest_tightening * context_.options->face_budget;
+  }
+
   bool stopped() const { return context_.control != nullptr && context_.control->stopped(); }
 
   // A collapse removes two faces, so one below the budget is as near as parity allows.
@@ -87,10 +129,12 @@ class Engine {
     context_.control->report(stage, static_cast<int>(cycle_) + 1, state_.live_faces, 0.05 + 0.9 * done);
   }
 
-  void run_cycle(std::size_t k) {
+  void run_cycle(std::size_t k) { run_cycle(k, context_.thickness[k]); }
+
+  void run_cycle(std::size_t k, double tau) {
     cycle_ = k;
     CycleStatistics cycle;
-    cycle.tau = context_.thickness[k];
+    cycle.tau = tau;
     {
       const Stopwatch watch(cycle.seconds);
       set_limits(cycle.tau);
@@ -215,9 +259,7 @@ class Engine {
     tightening.passes = tightening_passes(*context_.options);
     const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
     if (last) tightening.aligning_passes = aligning_passes(*context_.options);
-    const bool soon =
-        finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
-    if (tightening.passes == 0 || context_.input == nullptr || !(last || soon)) return;
+    if (tightening.passes == 0 || context_.input == nullptr || !(last || near_the_budget())) return;
     tightening.limits = limits_;
     tightening.flips = context_.options->flips;
     tightening.shortest = shortest_move * limits_.centroids;
@@ -233,9 +275,7 @@ class Engine {
 
   void run_refitting(CycleStatistics& cycle) {
     const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
-    const bool soon =
-        finds_thickness(*context_.options) && state_.live_faces <= earliest_tightening * context_.options->face_budget;
-    if (!context_.refits || coverage() == nullptr || !(last || soon)) return;
+    if (!context_.refits || coverage() == nullptr || !(last || near_the_budget())) return;
     RefitSettings refitting;
     refitting.limits = limits_;
     refitting.passes = last ? last_refits : 1;
