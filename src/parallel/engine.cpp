@@ -33,8 +33,8 @@ constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
 // Of placements that no plane holds: far less than in cages, since it would blunt edges and corners a little each time.
 constexpr double regularization_between_sides = 1e-5;
-// BandLimits::near_enough while the cage has more faces than this, and afterwards, when exact distances cost little:
-// what is refused at first for distances that are too large comes later.
+// BandLimits::near_enough of cages with more faces than this, and with fewer, when exact distances cost little: what is
+// refused at first for distances that are too large comes later.
 constexpr std::size_t many_faces = 20000;
 constexpr double near_enough_of_many = 0.5;
 constexpr double near_enough_of_few = 0.02;
@@ -160,7 +160,8 @@ class Engine {
     const BandShape& shape = context_.band_shape;
     const auto clear = [&](double t) { return t - (tau_rounding * t + size_rounding * context_.diagonal); };
     limits_.centroids = clear(tau);
-    limits_.near_enough = state_.live_faces > many_faces ? near_enough_of_many : near_enough_of_few;
+    if (shape.sides == Sides::outer)
+      limits_.near_enough = state_.live_faces > many_faces ? near_enough_of_many : near_enough_of_few;
     settings_.band = {shape.outer * limits_.centroids, shape.inner * limits_.centroids, shape.sides};
     limits_.sides = shape.sides;
     if (context_.options->tau_mode == TauMode::strict) {
