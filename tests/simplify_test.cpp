@@ -10,10 +10,12 @@
 #include <vector>
 
 #include "engine_stages.h"
+#include "parallel/conflicts.h"
 #include "parallel/engine.h"
 #include "parallel/flips.h"
 #include "parallel/obstacle.h"
 #include "parallel/side_test.h"
+#include "parallel/turned_components.h"
 #include "parallel/winding.h"
 #include "solids.h"
 
@@ -444,6 +446,57 @@ TEST(SimplifyStages, PatchesThatSweepOverAComponentAreRejected) {
   EXPECT_EQ(verdict_of_lift(Lifted(0.02, 0.001), 0.1), Verdict::hits_input);
   EXPECT_EQ(verdict_of_lift(Lifted(0.12, 0.001), 0.1), Verdict::accepted);
   EXPECT_EQ(verdict_of_lift(Lifted(0.02, 0.001), 0.01), Verdict::accepted);
+}
+
+// Two pyramids of n faces on the same base, with their apexes at the given heights; apexes are the last two vertices.
+Mesh bipyramid(std::uint32_t n, double above, double below) {
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    mesh.positions.push_back({std::cos(angle), std::sin(angle), 0});
+    mesh.triangles.push_back({i, (i + 1) % n, n});
+    mesh.triangles.push_back({(i + 1) % n, i, n + 1});
+  }
+  mesh.positions.push_back({0.01, 0, above});
+  mesh.positions.push_back({0, 0.01, below});
+  return mesh;
+}
+
+// The verdicts on moves of the apexes to the given heights, the upper one first. They touch nothing.
+std::vector<Verdict> verdicts_of_apexes(const Mesh& mesh, double upper, double lower) {
+  std::vector<Verdict> verdicts;
+  in_arena(1, [&] {
+    const Stage stage(mesh);
+    const CageState state = stage.state_of(mesh);
+    std::vector<Candidate> selected;
+    std::vector<Position> points;
+    for (const auto& [v, z] :
+         {std::pair{mesh.positions.size() - 2, upper}, std::pair{mesh.positions.size() - 1, lower}}) {
+      selected.push_back({selected.size(), state.mesh.vertex_halfedge[v]});
+      points.push_back({mesh.positions[v][0], mesh.positions[v][1], z});
+    }
+    PatchBatch batch = build_moves(state, stage.tree.frame(), selected, points);
+    reject_hits_on_cage(state, stage.device, batch);
+    reject_conflicts(state, stage.device, batch);
+    EXPECT_EQ(batch.count(Verdict::accepted), 2u);
+    reject_turned_components(state, batch);
+    verdicts = batch.verdict;
+  });
+  return verdicts;
+}
+
+TEST(SimplifyStages, PatchesThatTurnTheirComponentInsideOutAreRejected) {
+  using enum Verdict;
+  for (const std::uint32_t n : {3u, 4u, 9u}) {
+    SCOPED_TRACE(n);
+    const Mesh flat = bipyramid(n, 0.1, -0.1);
+    EXPECT_EQ(verdicts_of_apexes(flat, 0.2, -0.2), (std::vector{accepted, conflict})) << "one at a time";
+    EXPECT_EQ(verdicts_of_apexes(flat, 0.02, 0.05), (std::vector{accepted, conflict})) << "together they would";
+    EXPECT_EQ(verdicts_of_apexes(flat, -0.2, -0.1), (std::vector{turns_over, conflict}));
+    const Mesh cavity = testing::inside_out(flat);
+    EXPECT_EQ(verdicts_of_apexes(cavity, 0.2, -0.2), (std::vector{accepted, conflict}));
+    EXPECT_EQ(verdicts_of_apexes(cavity, -0.2, -0.1), (std::vector{turns_over, conflict}));
+  }
 }
 
 TEST(SimplifyStages, PatchesThatTurnFacesOverAreRejected) {

@@ -39,6 +39,11 @@ struct Box {
     for (int k = 0; k < 3; ++k) all &= (lower[k] <= o.upper[k]) & (o.lower[k] <= upper[k]);
     return all;
   }
+  bool contains(const Box& o) const {
+    bool all = true;
+    for (int k = 0; k < 3; ++k) all &= (lower[k] <= o.lower[k]) & (o.upper[k] <= upper[k]);
+    return all;
+  }
   void unite(const Box& o) {
     for (int k = 0; k < 3; ++k) {
       lower[k] = lower[k] < o.lower[k] ? lower[k] : o.lower[k];

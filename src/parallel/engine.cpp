@@ -11,6 +11,7 @@
 #include "parallel/flips.h"
 #include "parallel/refit.h"
 #include "parallel/stopwatch.h"
+#include "parallel/turned_components.h"
 
 namespace prcage {
 namespace {
@@ -33,8 +34,8 @@ constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
 // Of placements that no plane holds: far less than in cages, since it would blunt edges and corners a little each time.
 constexpr double regularization_between_sides = 1e-5;
-// BandLimits::near_enough of cages with more faces than this, and with fewer, when exact distances cost little: what is
-// refused at first for distances that are too large comes later.
+// BandLimits::near_enough of surfaces with more faces than this, and with fewer, when exact distances cost little: what
+// is refused at first for distances that are too large comes later.
 constexpr std::size_t many_faces = 20000;
 constexpr double near_enough_of_many = 0.5;
 constexpr double near_enough_of_few = 0.02;
@@ -160,8 +161,7 @@ class Engine {
     const BandShape& shape = context_.band_shape;
     const auto clear = [&](double t) { return t - (tau_rounding * t + size_rounding * context_.diagonal); };
     limits_.centroids = clear(tau);
-    if (shape.sides == Sides::outer)
-      limits_.near_enough = state_.live_faces > many_faces ? near_enough_of_many : near_enough_of_few;
+    limits_.near_enough = state_.live_faces > many_faces ? near_enough_of_many : near_enough_of_few;
     settings_.band = {shape.outer * limits_.centroids, shape.inner * limits_.centroids, shape.sides};
     limits_.sides = shape.sides;
     if (context_.options->tau_mode == TauMode::strict) {
@@ -233,6 +233,7 @@ class Engine {
       if (state_.components > 1) reject_sweeps_of_components(state_, *context_.device, batch);
       reject_hits_on_cage(state_, *context_.device, batch);
       reject_conflicts(state_, *context_.device, batch);
+      if (limits_.sides == Sides::both) reject_turned_components(state_, batch);
     });
     timed(seconds.distance, [&] {
       if (coverage() != nullptr) coverage()->test(state_, limits_.centroids, batch);

@@ -8,6 +8,7 @@
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
 #include "parallel/parallel_for.h"
+#include "parallel/turned_components.h"
 
 namespace prcage {
 namespace {
@@ -157,6 +158,7 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
     if (state.components > 1) reject_sweeps_of_components(state, device, batch);
     reject_hits_on_cage(state, device, batch);
     reject_conflicts(state, device, batch);
+    if (settings.limits.sides == Sides::both) reject_turned_components(state, batch);
     if (settings.coverage != nullptr) test_coverage(state, settings, batch);
     if (settings.side_test != nullptr) settings.side_test->reject_wrong_sides(state, settings.limits, batch);
     block_rejected(state.mesh, batch, blocked);

@@ -15,12 +15,6 @@ void reject(PatchBatch& batch, std::uint32_t patch) {
   std::atomic_ref(batch.verdict[patch]).store(Verdict::hits_input, std::memory_order_relaxed);
 }
 
-bool contains(const Box& outer, const Box& inner) {
-  bool all = true;
-  for (int k = 0; k < 3; ++k) all &= (outer.lower[k] <= inner.lower[k]) & (inner.upper[k] <= outer.upper[k]);
-  return all;
-}
-
 // The slab between the two planes that hold a triangle, in the frame of the boxes: that of a large triangle cuts few of
 // the boxes that overlap the triangle's own.
 class Slab {
@@ -94,7 +88,7 @@ void Obstacle::reject_sweeps(const CageState& state, PatchBatch& batch) const {
   BoxTree patches(device_);
   patches.build(swept, TreeQuality::fast_build);
   join(patches, component_tree_, [&](std::uint32_t patch, std::uint32_t c) {
-    if (contains(swept[patch], component_box_[c]) && alive(batch, patch) &&
+    if (swept[patch].contains(component_box_[c]) && alive(batch, patch) &&
         sweeps_over(state, batch, patch, vec(component_point_[c])))
       reject(batch, patch);
   });
@@ -151,7 +145,7 @@ void reject_sweeps_of_components(const CageState& state, const TreeDevice& devic
   patches.build(swept, TreeQuality::fast_build);
   join(patches, component_tree, [&](std::uint32_t patch, std::uint32_t c) {
     const std::uint32_t own = state.vertex_component[state.mesh.origin(batch.candidate[patch].halfedge)];
-    if (c != own && contains(swept[patch], components.box[c]) && alive(batch, patch) &&
+    if (c != own && swept[patch].contains(components.box[c]) && alive(batch, patch) &&
         sweeps_over(state, batch, patch, state.mesh.vec_at(components.vertex[c])))
       reject(batch, patch);
   });

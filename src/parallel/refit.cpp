@@ -10,6 +10,7 @@
 #include "parallel/conflicts.h"
 #include "parallel/obstacle.h"
 #include "parallel/parallel_for.h"
+#include "parallel/turned_components.h"
 
 namespace prcage {
 namespace {
@@ -172,6 +173,7 @@ class Refit {
     if (state_.components > 1) reject_sweeps_of_components(state_, device_, batch);
     reject_hits_on_cage(state_, device_, batch);
     reject_conflicts(state_, device_, batch);
+    if (settings_.limits.sides == Sides::both) reject_turned_components(state_, batch);
     if (settings_.side_test != nullptr) settings_.side_test->reject_wrong_sides(state_, settings_.limits, batch);
   }
 
