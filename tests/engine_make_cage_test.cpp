@@ -537,9 +537,9 @@ TEST(MakeCageTighteningSlow, LeavesLessBetweenCageAndInput) {
 }
 
 TEST(MakeCageTightening, IsTheSameForAnyNumberOfThreads) {
-  const Mesh input = shape("knot", 800);
+  const Mesh input = shape("bumpy", 300);
   const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 4);
-  Options options = options_for(200, Quality::standard);
+  Options options = options_for(80, Quality::standard);
   options.threads = 1;
   const Mesh one = expect_cage(input, options).cage;
   for (const int threads : {2, 4}) {

@@ -2,7 +2,7 @@
 //
 // Contents: deterministic numbers and trigonometry; the grid on the surface of a box, from which all star-shaped
 // bodies and plates are made; one section per shape; the table of shapes at the end.
-#include "shapes.h"
+#include "tools/shapes.h"
 
 #include <tbb/parallel_for.h>
 
