@@ -46,8 +46,8 @@ Mesh CornerTable::to_mesh() const {
   }
   for (std::uint32_t f = 0; f < face_slots(); ++f) {
     if (!face_alive(f)) continue;
-    const std::uint32_t* v = &corner_vertex[3 * std::size_t{f}];
-    mesh.triangles.push_back({number[v[0]], number[v[1]], number[v[2]]});
+    const auto [a, b, c] = face(f);
+    mesh.triangles.push_back({number[a], number[b], number[c]});
   }
   return mesh;
 }

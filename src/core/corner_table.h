@@ -6,6 +6,7 @@
 // endpoints) may run at the same time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -37,6 +38,14 @@ struct CornerTable {
 
   const double* point(std::uint32_t v) const { return position[v].data(); }
   Vec3 vec_at(std::uint32_t v) const { return vec(position[v]); }
+  Triangle face(std::uint32_t f) const {
+    const std::uint32_t* v = &corner_vertex[3 * std::size_t{f}];
+    return {v[0], v[1], v[2]};
+  }
+  std::array<Vec3, 3> corners(std::uint32_t f) const {
+    const auto [a, b, c] = face(f);
+    return {vec_at(a), vec_at(b), vec_at(c)};
+  }
 
   // Number of edges at v, counting stops at limit.
   std::uint32_t valence(std::uint32_t v, std::uint32_t limit = none) const;

@@ -81,8 +81,8 @@ Runs runs_of(const CageState& state) {
 }
 
 TriangleRef cage_triangle(const CornerTable& mesh, std::uint32_t f) {
-  const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
-  return {{mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2])}, {v[0], v[1], v[2]}};
+  const auto [a, b, c] = mesh.face(f);
+  return {{mesh.point(a), mesh.point(b), mesh.point(c)}, {a, b, c}};
 }
 
 // Does the patch meet face f, which it would not remove?

@@ -122,6 +122,9 @@ class Engine {
     return budget != 0 && state_.live_faces <= budget;
   }
 
+  // Do no collapses come after those of this cycle?
+  bool last_of_all() const { return cycle_ + 1 == context_.thickness.size() || budget_reached(); }
+
   void report(Control::Stage stage, double part) {
     if (context_.control == nullptr) return;
     if (context_.estimates) stage = Control::Stage::estimate;
@@ -259,9 +262,8 @@ class Engine {
   void run_tightening(CycleStatistics& cycle) {
     TightenSettings tightening;
     tightening.passes = tightening_passes(*context_.options);
-    const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
-    if (last) tightening.aligning_passes = aligning_passes(*context_.options);
-    if (tightening.passes == 0 || context_.input == nullptr || !(last || near_the_budget())) return;
+    if (last_of_all()) tightening.aligning_passes = aligning_passes(*context_.options);
+    if (tightening.passes == 0 || context_.input == nullptr || !(last_of_all() || near_the_budget())) return;
     tightening.limits = limits_;
     tightening.flips = context_.options->flips;
     tightening.shortest = shortest_move * limits_.centroids;
@@ -276,11 +278,10 @@ class Engine {
   }
 
   void run_refitting(CycleStatistics& cycle) {
-    const bool last = cycle_ + 1 == context_.thickness.size() || budget_reached();
-    if (!context_.refits || coverage() == nullptr || !(last || near_the_budget())) return;
+    if (!context_.refits || coverage() == nullptr || !(last_of_all() || near_the_budget())) return;
     RefitSettings refitting;
     refitting.limits = limits_;
-    refitting.passes = last ? last_refits : 1;
+    refitting.passes = last_of_all() ? last_refits : 1;
     refitting.sample_area = context_.area / static_cast<double>(coverage()->size());
     refitting.shortest = shortest_refit * limits_.centroids;
     refitting.float_positions = settings_.float_positions;

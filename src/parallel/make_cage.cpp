@@ -86,8 +86,7 @@ void measure_to_input(CageState& state, const DistanceBand& band, const std::vec
   const float farthest = *std::max_element(reach.begin(), reach.end());
   const CornerTable& mesh = state.mesh;
   parallel_each(mesh.face_slots(), 64, [&](std::size_t f) {
-    const std::uint32_t* v = &mesh.corner_vertex[3 * f];
-    const std::array<Vec3, 3> corners{mesh.vec_at(v[0]), mesh.vec_at(v[1]), mesh.vec_at(v[2])};
+    const auto corners = mesh.corners(static_cast<std::uint32_t>(f));
     const DistanceBand::Near near = band.nearest((corners[0] + corners[1] + corners[2]) / 3);
     state.face_near[f] = near.face;
     state.face_distance[f] = float_above(near.distance);

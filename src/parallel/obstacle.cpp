@@ -60,8 +60,8 @@ bool sweeps_over(const CageState& state, const PatchBatch& batch, std::uint32_t 
   for (std::size_t t = batch.first_face[patch]; t < batch.first_face[patch + 1]; ++t)
     sum += solid_angle(patch_triangle(state.mesh, batch, t).p, x);
   for (const std::uint32_t f : batch.removed_faces(patch)) {
-    const std::uint32_t* v = &state.mesh.corner_vertex[3 * std::size_t{f}];
-    const double* const p[3] = {state.mesh.point(v[0]), state.mesh.point(v[1]), state.mesh.point(v[2])};
+    const auto [a, b, c] = state.mesh.face(f);
+    const double* const p[3] = {state.mesh.point(a), state.mesh.point(b), state.mesh.point(c)};
     sum -= solid_angle(p, x);
   }
   return std::abs(sum) > 2 * std::numbers::pi;  // 4 pi inside, 0 outside

@@ -63,7 +63,7 @@ void list_collapse(const CornerTable& mesh, PatchBatch& batch, std::size_t i) {
       if (f == h / 3 || f == t / 3) return;
       *removed++ = f;
       // Rotated as stored, so that the triangle is the face's after the collapse.
-      const std::uint32_t* old = &mesh.corner_vertex[3 * std::size_t{f}];
+      const Triangle old = mesh.face(f);
       batch.triangle[next] = {old[0] == v ? a : old[0], old[1] == v ? a : old[1], old[2] == v ? a : old[2]};
       batch.face[next] = f;
       batch.patch_of[next] = static_cast<std::uint32_t>(i);
@@ -90,9 +90,8 @@ void list_move(const CornerTable& mesh, PatchBatch& batch, std::size_t i) {
   std::size_t next = batch.first_face[i];
   for_each_outgoing(mesh, batch.moved[i], [&](std::uint32_t h) {
     const std::uint32_t f = h / 3;
-    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
     batch.removed[next] = batch.face[next] = f;  // as many old faces as new ones
-    batch.triangle[next] = {v[0], v[1], v[2]};
+    batch.triangle[next] = mesh.face(f);
     batch.patch_of[next] = static_cast<std::uint32_t>(i);
     ++next;
   });
@@ -109,8 +108,8 @@ bool sweeps_outward(const CornerTable& mesh, const PatchBatch& batch, std::size_
                            mesh.point(mesh.apex(mesh.twin[h]))) >= 0;
   }
   return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
-    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
-    return exact::orient3d(mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]), batch.point[i].data()) >= 0;
+    const auto [a, b, c] = mesh.face(f);
+    return exact::orient3d(mesh.point(a), mesh.point(b), mesh.point(c), batch.point[i].data()) >= 0;
   });
 }
 
@@ -145,8 +144,8 @@ bool new_faces_face(const CornerTable& mesh, const PatchBatch& batch, std::size_
 bool removed_faces_face(const CornerTable& mesh, const PatchBatch& batch, std::size_t i, const Vec3& n) {
   const auto faces = batch.removed_faces(i);
   return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
-    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
-    return certainly_faces(n, mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]));
+    const auto [a, b, c] = mesh.face(f);
+    return certainly_faces(n, mesh.point(a), mesh.point(b), mesh.point(c));
   });
 }
 
@@ -229,7 +228,7 @@ double gap_to_removed(const CornerTable& mesh, const PatchBatch& batch, std::siz
   const ViewAlong view(batch.direction[i], mesh.point(a));
   GraphDisc before, after;
   for (const std::uint32_t f : batch.removed_faces(i)) {
-    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
+    const Triangle v = mesh.face(f);
     const std::array<Vec3, 3> p{view(mesh.point(v[0])), view(mesh.point(v[1])), view(mesh.point(v[2]))};
     before.add_face(p[0], p[1], p[2]);
     for (std::size_t k = 0; k < 3 && !flip; ++k)

@@ -130,11 +130,6 @@ class Refit {
     return sum * area(p) / lattice_points;
   }
 
-  double squares(const TriangleRef& t, std::uint32_t hint) const {
-    const auto corner = [&](int k) { return Vec3(t.p[k][0], t.p[k][1], t.p[k][2]); };
-    return squares({corner(0), corner(1), corner(2)}, hint);
-  }
-
   // Rejects moves after which the surface and the input would not be nearer to each other.
   void reject_without_gain(PatchBatch& batch) const {
     const CornerTable& mesh = state_.mesh;
@@ -143,9 +138,8 @@ class Refit {
       double rise = settings_.sample_area * settings_.coverage->rise()[i], before = 0;
       for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t) {
         const std::uint32_t f = batch.face[t];
-        const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
-        before += squares({mesh.vec_at(v[0]), mesh.vec_at(v[1]), mesh.vec_at(v[2])}, state_.face_near[f]);
-        rise += squares(patch_triangle(mesh, batch, t), state_.face_near[f]);
+        before += squares(mesh.corners(f), state_.face_near[f]);
+        rise += squares(patch_corners(mesh, batch, t), state_.face_near[f]);
       }
       if (!(rise < (1 - least_gain) * before)) batch.verdict[i] = Verdict::uncovers_input;
     });

@@ -134,10 +134,7 @@ double turned_away(const DistanceBand& band, const Corners& p, std::uint32_t hin
 double turning(const CageState& state, const DistanceBand& band, const PatchBatch& batch, std::size_t i) {
   const CornerTable& mesh = state.mesh;
   double sum = 0;
-  for (const std::uint32_t f : batch.removed_faces(i)) {
-    const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{f}];
-    sum -= turned_away(band, {mesh.vec_at(v[0]), mesh.vec_at(v[1]), mesh.vec_at(v[2])}, state.face_near[f]);
-  }
+  for (const std::uint32_t f : batch.removed_faces(i)) sum -= turned_away(band, mesh.corners(f), state.face_near[f]);
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t)
     sum += turned_away(band, patch_corners(mesh, batch, t), batch.near[t].face);
   return sum;

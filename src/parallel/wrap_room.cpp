@@ -10,8 +10,8 @@ float WrapRoom::at(const Vec3& x) const {
 }
 
 float WrapRoom::at(const CornerTable& mesh, std::uint32_t face) const {
-  const std::uint32_t* v = &mesh.corner_vertex[3 * std::size_t{face}];
-  return at((mesh.vec_at(v[0]) + mesh.vec_at(v[1]) + mesh.vec_at(v[2])) / 3);
+  const auto [a, b, c] = mesh.corners(face);
+  return at((a + b + c) / 3);
 }
 
 void WrapRoom::measure(CageState& state) const {
