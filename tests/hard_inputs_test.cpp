@@ -71,9 +71,8 @@ TEST(HardInputsSlow, GapsOfAFewUlps) {
   EXPECT_LT(without_cage, fewer);
 }
 
-// A vertex that is singular, with a ring of faces that are hardly more than rounding, may be too much.
 TEST(HardInputsSlow, FacesWithHardlyAnyArea) {
-  std::size_t removed = 0, legal = 0, without_cage = 0;
+  std::size_t removed = 0, legal = 0;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Mesh input = degenerate_mesh(seed);
@@ -81,14 +80,8 @@ TEST(HardInputsSlow, FacesWithHardlyAnyArea) {
     ++legal;
     const Result result = make_cage(input);
     removed += result.validation.degenerate_faces;
-    if (result.status == Status::displacement_failed) {
-      ++without_cage;
-      EXPECT_NE(result.message.find("near ("), std::string::npos) << result.message;
-    } else {
-      expect_certified(input, result);
-    }
+    expect_certified(input, result);
   }
-  EXPECT_LE(without_cage, seeds / 100);
   EXPECT_GT(legal, 9 * seeds / 10);
   EXPECT_GT(removed, seeds);
 }

@@ -20,28 +20,23 @@ double edge_length(double area, std::size_t faces) {
   return std::sqrt(4 / std::sqrt(3.0) * area / static_cast<double>(faces));
 }
 
-double growth(Quality quality) {
-  switch (quality) {
-    case Quality::fast:
-      return 1.6;
-    case Quality::standard:
-      return 1.15;
-    case Quality::best:
-      return 1.08;
-  }
-  return 1.15;
+// Finer growth than that of the middle makes no tighter cages than more passes at the same cost.
+double growth(Quality quality) { return quality == Quality::fast ? 1.6 : 1.15; }
+
+int by_quality(const Options& options, int fast, int standard, int best) {
+  return options.quality == Quality::fast ? fast : options.quality == Quality::standard ? standard : best;
 }
 
 }  // namespace
 
 int tightening_passes(const Options& options) {
-  const int passes = options.quality == Quality::fast ? 0 : options.quality == Quality::standard ? 4 : 8;
+  const int passes = by_quality(options, 0, 4, 16);
   return finds_thickness(options) ? passes : passes / 2;  // a given thickness is there to be used
 }
 
-int aligning_passes(const Options& options) {
-  return finds_thickness(options) && options.quality != Quality::fast ? 20 : 0;
-}
+int aligning_passes(const Options& options) { return finds_thickness(options) ? by_quality(options, 0, 20, 100) : 0; }
+
+int last_step_parts(const Options& options) { return by_quality(options, 4, 4, 8); }
 
 std::vector<double> thickness_steps(const Options& options, double diagonal, double area) {
   std::vector<double> steps;

@@ -31,6 +31,8 @@ std::string levels_error(const std::vector<std::size_t>& face_budgets);
 int tightening_passes(const Options& options);
 // And how often after the last one so that no face turns away from the input.
 int aligning_passes(const Options& options);
+// Growths, all alike, into which the last one of a thickness that is found is divided to see whether less is enough.
+int last_step_parts(const Options& options);
 
 // Empty if the options are in range, else one sentence that names the option at fault.
 std::string options_error(const Options& options);

@@ -27,8 +27,6 @@ constexpr double shortest_move = 0.02;
 // Where the thickness is found, tightening begins when the cage has come down to so many times its budget, since it
 // lets smaller thicknesses do. A given thickness is used up first.
 constexpr std::size_t earliest_tightening = 6;
-// Growths, all alike, into which the last one of the thickness is divided to see whether less is enough.
-constexpr int last_step_parts = 4;
 // Passes of refitting in the end, and what moves are worth it, of the thickness of the cycle.
 constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
@@ -102,8 +100,9 @@ class Engine {
     const Snapshot reached = snapshot();
     restore(before);
     const double from = context_.thickness[k - 1], growth = context_.thickness[k] / from;
-    for (int part = 1; part < last_step_parts && !stopped(); ++part) {
-      run_cycle(k, from * std::pow(growth, static_cast<double>(part) / last_step_parts));
+    const int parts = last_step_parts(*context_.options);
+    for (int part = 1; part < parts && !stopped(); ++part) {
+      run_cycle(k, from * std::pow(growth, static_cast<double>(part) / parts));
       if (budget_reached() && !stopped()) return;
     }
     restore(reached);

@@ -24,13 +24,18 @@ constexpr std::size_t examples = 5;
 // Radius at which a singular vertex is cut off as a share of its shortest edge.
 constexpr double radius_share = 0.25;
 
+// Whether the radius at which a vertex was cut off shrinks with the step: what is in the way of a cap may be nearer
+// than that. Where the vertex has slivers, ring points on their long edges come too close to each other then.
+enum class CapRadius { shrinks, stays };
+
 // The connectivity of C_0, and its positions as a function of the steps. Vertices may outnumber the input's: singular
 // ones are cut off.
 class Displacer {
  public:
-  Displacer(const Mesh& surface, const DisplacementSettings& settings)
+  Displacer(const Mesh& surface, const DisplacementSettings& settings, CapRadius radius)
       : surface_(surface),
         settings_(settings),
+        radius_(radius),
         mesh_(CornerTable::from_mesh(surface)),
         direction_(mesh_.vertex_slots()) {
     std::vector<std::uint8_t> regular(mesh_.vertex_slots());
@@ -67,11 +72,11 @@ class Displacer {
   }
 
  private:
-  // Where vertex v moves off from. The radius at which a vertex was cut off shrinks with the step, since what is in the
-  // way of a cap may be nearer than that, but more slowly, since moves have to become small against the cap.
+  // Where vertex v moves off from. A radius that shrinks with the step does so more slowly, since moves have to become
+  // small against the cap.
   Vec3 start(std::size_t v, double step) const {
     const Vec3 p = vec(mesh_.position[v]);
-    if (!cut_off_from_.contains(static_cast<std::uint32_t>(v))) return p;
+    if (radius_ == CapRadius::stays || !cut_off_from_.contains(static_cast<std::uint32_t>(v))) return p;
     const Vec3 corner = vec(surface_.positions[vertex_of_surface(v)]);
     return corner + std::sqrt(step / first_step(v)) * (p - corner);
   }
@@ -103,6 +108,7 @@ class Displacer {
 
   const Mesh& surface_;
   const DisplacementSettings& settings_;
+  CapRadius radius_;
   CornerTable mesh_;
   std::vector<Vec3> direction_;
   std::unordered_map<std::uint32_t, std::uint32_t> cut_off_from_;  // of ring points: the singular vertex
@@ -261,9 +267,11 @@ void describe_faces(const Mesh& surface, const UnitFrame& frame, CageState& stat
   });
 }
 
+namespace {
+
 InitialCage displace(const Mesh& surface, const SurfaceTree& input, const DisplacementSettings& settings,
-                     const TreeDevice& device) {
-  const Displacer displacer(surface, settings);
+                     CapRadius radius, const TreeDevice& device) {
+  const Displacer displacer(surface, settings, radius);
   InitialCage result;
   result.singular_vertices = displacer.singular_vertices();
   result.capped_vertices = displacer.capped_vertices();
@@ -291,6 +299,16 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   keep_examples(result.contacts);
   describe_faces(surface, input.frame(), result.state);
   return result;
+}
+
+}  // namespace
+
+InitialCage displace(const Mesh& surface, const SurfaceTree& input, const DisplacementSettings& settings,
+                     const TreeDevice& device) {
+  InitialCage cage = displace(surface, input, settings, CapRadius::shrinks, device);
+  if (cage.valid || cage.capped_vertices == 0) return cage;
+  InitialCage other = displace(surface, input, settings, CapRadius::stays, device);
+  return other.valid ? std::move(other) : std::move(cage);
 }
 
 }  // namespace prcage
