@@ -25,8 +25,10 @@ constexpr double size_rounding = 1e-14;
 // Of the thickness of the cycle: shorter moves inward are not worth their tests.
 constexpr double shortest_move = 0.02;
 // Where the thickness is found, tightening begins when the cage has come down to so many times its budget, since it
-// lets smaller thicknesses do. A given thickness is used up first.
+// lets smaller thicknesses do, but while it has more faces than these, which would take too long, only when it is close
+// to the budget. A given thickness is used up first.
 constexpr std::size_t earliest_tightening = 6;
+constexpr std::size_t many_to_tighten = 6000;
 // Passes of refitting in the end, and what moves are worth it, of the thickness of the cycle.
 constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
@@ -109,8 +111,9 @@ class Engine {
   }
 
   bool near_the_budget() const {
-    return finds_thickness(*context_.options) &&
-           state_.live_faces <= earliest_tightening * context_.options->face_budget;
+    if (!finds_thickness(*context_.options)) return false;
+    const std::size_t budget = context_.options->face_budget;
+    return state_.live_faces <= std::max(std::min(earliest_tightening * budget, many_to_tighten), budget + budget / 2);
   }
 
   bool stopped() const { return context_.control != nullptr && context_.control->stopped(); }
