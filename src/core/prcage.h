@@ -196,7 +196,8 @@ enum class Bound { cage, both };
 enum class Precision { float64, float32 };
 
 // What a run may cost, for tightness: how finely the thickness grows, in the end above all, and how often vertices are
-// moved back inward. With `best` three cages are made, with the seed and the two after it, and the closest one is taken.
+// moved back inward. With `best` three cages are made, with the seed and the two after it, and the closest one is
+// taken.
 enum class Quality { fast, standard, best };
 
 const char* to_string(Quality quality);
