@@ -2,6 +2,7 @@
 
 #include <meshoptimizer.h>
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -46,12 +47,13 @@ Mesh used_part(const std::vector<float>& positions, const std::vector<unsigned>&
 MeshoptResult simplify_by_meshopt(const Mesh& mesh, std::size_t target_faces) {
   const FloatMesh input = float_mesh(mesh);
   constexpr float any_error = 1e10f;
+  const std::size_t target = std::min(3 * target_faces, input.indices.size());  // it asserts that
   std::vector<unsigned> simplified(input.indices.size());
   MeshoptResult result;
   const auto start = std::chrono::steady_clock::now();
   const std::size_t indices =
       meshopt_simplify(simplified.data(), input.indices.data(), input.indices.size(), input.positions.data(),
-                       input.positions.size() / 3, vertex_size, 3 * target_faces, any_error, 0, &result.relative_error);
+                       input.positions.size() / 3, vertex_size, target, any_error, 0, &result.relative_error);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   simplified.resize(indices);
   result.mesh = used_part(input.positions, simplified);
