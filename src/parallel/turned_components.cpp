@@ -1,6 +1,5 @@
 #include "parallel/turned_components.h"
 
-#include <algorithm>
 #include <unordered_set>
 #include <vector>
 
@@ -35,7 +34,10 @@ std::vector<std::uint32_t> component_of(const CornerTable& mesh, std::uint32_t s
 class Search {
  public:
   Search(const CageState& state, PatchBatch& batch)
-      : state_(state), batch_(batch), patch_at_(state.mesh.face_slots(), none) {
+      : state_(state),
+        batch_(batch),
+        box_(patch_boxes(state, batch, [&](std::size_t i) { return batch.alive(i); })),
+        patch_at_(state.mesh.face_slots(), none) {
     parallel_each(batch.size(), default_grain, [&](std::size_t i) {
       if (!batch.alive(i)) return;
       for (const std::uint32_t f : batch.removed_faces(i)) patch_at_[f] = static_cast<std::uint32_t>(i);
@@ -45,10 +47,7 @@ class Search {
   // Could the patch sweep over all that it leaves of its component? That would be in the convex hull of the old faces
   // and the new ones. A face that no patch removes and that is not in their box shows that it is not.
   bool may_turn(std::size_t i) const {
-    Box swept;
-    for (const Box& box : batch_.boxes(i)) swept.unite(box);
-    for (const std::uint32_t f : batch_.removed_faces(i)) swept.unite(state_.face_box[f]);
-    const auto shows = [&](std::uint32_t f) { return patch_at_[f] == none && !swept.contains(state_.face_box[f]); };
+    const auto shows = [&](std::uint32_t f) { return patch_at_[f] == none && !box_[i].contains(state_.face_box[f]); };
     for (const std::uint32_t f : batch_.removed_faces(i))
       for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
         if (shows(state_.mesh.twin[h] / 3)) return false;
@@ -89,6 +88,7 @@ class Search {
 
   const CageState& state_;
   PatchBatch& batch_;
+  std::vector<Box> box_;                 // of each patch, old faces and new
   std::vector<std::uint32_t> patch_at_;  // per face: the patch that would remove it, or none
 };
 
