@@ -5,8 +5,10 @@
 #include <cmath>
 #include <span>
 
+#include "parallel/obstacle.h"
 #include "parallel/pair_collector.h"
 #include "parallel/parallel_for.h"
+#include "parallel/turned_components.h"
 
 namespace prcage {
 namespace {
@@ -168,6 +170,13 @@ void reject_conflicts(const CageState& state, const TreeDevice& device, PatchBat
             [&](const auto& a, const auto& b) { return batch.candidate[a[0]] < batch.candidate[b[0]]; });
   for (const auto& [higher, lower] : pairs)
     if (batch.alive(lower)) batch.verdict[higher] = Verdict::conflict;
+}
+
+void reject_collisions(const CageState& state, const TreeDevice& device, Sides sides, PatchBatch& batch) {
+  if (state.components > 1) reject_sweeps_of_components(state, device, batch);
+  reject_hits_on_cage(state, device, batch);
+  reject_conflicts(state, device, batch);
+  if (sides == Sides::both) reject_turned_components(state, batch);
 }
 
 }  // namespace prcage

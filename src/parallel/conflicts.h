@@ -14,4 +14,8 @@ void reject_hits_on_cage(const CageState& state, const TreeDevice& device, Patch
 // the greedy one.
 void reject_conflicts(const CageState& state, const TreeDevice& device, PatchBatch& batch);
 
+// Rejects patches for what they must not do to the surface itself, in this order: sweep over another component of it,
+// meet the rest of it or each other, and in a band on both sides turn their own component inside out.
+void reject_collisions(const CageState& state, const TreeDevice& device, Sides sides, PatchBatch& batch);
+
 }  // namespace prcage

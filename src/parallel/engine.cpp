@@ -11,7 +11,6 @@
 #include "parallel/flips.h"
 #include "parallel/refit.h"
 #include "parallel/stopwatch.h"
-#include "parallel/turned_components.h"
 
 namespace prcage {
 namespace {
@@ -235,10 +234,7 @@ class Engine {
     timed(seconds.distance, [&] { test_patches_against_band(state_, *context_.band, limits_, batch); });
     timed(seconds.collide, [&] {
       if (many_components()) context_.input->reject_sweeps(state_, batch);
-      if (state_.components > 1) reject_sweeps_of_components(state_, *context_.device, batch);
-      reject_hits_on_cage(state_, *context_.device, batch);
-      reject_conflicts(state_, *context_.device, batch);
-      if (limits_.sides == Sides::both) reject_turned_components(state_, batch);
+      reject_collisions(state_, *context_.device, limits_.sides, batch);
     });
     timed(seconds.distance, [&] {
       if (coverage() != nullptr) coverage()->test(state_, limits_.centroids, batch);

@@ -8,7 +8,6 @@
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
 #include "parallel/parallel_for.h"
-#include "parallel/turned_components.h"
 
 namespace prcage {
 namespace {
@@ -155,10 +154,7 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
     test_flips_at_samples(state, band, settings.limits.centroids, batch);
     if (inward) settings.obstacle->reject_hits(state, batch);
     if (settings.obstacle != nullptr) settings.obstacle->reject_sweeps(state, batch);
-    if (state.components > 1) reject_sweeps_of_components(state, device, batch);
-    reject_hits_on_cage(state, device, batch);
-    reject_conflicts(state, device, batch);
-    if (settings.limits.sides == Sides::both) reject_turned_components(state, batch);
+    reject_collisions(state, device, settings.limits.sides, batch);
     if (settings.coverage != nullptr) test_coverage(state, settings, batch);
     if (settings.side_test != nullptr) settings.side_test->reject_wrong_sides(state, settings.limits, batch);
     block_rejected(state.mesh, batch, blocked);

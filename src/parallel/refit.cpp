@@ -8,9 +8,7 @@
 #include "core/lattice.h"
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
-#include "parallel/obstacle.h"
 #include "parallel/parallel_for.h"
-#include "parallel/turned_components.h"
 
 namespace prcage {
 namespace {
@@ -164,10 +162,7 @@ class Refit {
     settings_.coverage->test(state_, settings_.limits.centroids, batch);
     reject_without_gain(batch);
     test_patches_against_band(state_, band_, settings_.limits, batch);
-    if (state_.components > 1) reject_sweeps_of_components(state_, device_, batch);
-    reject_hits_on_cage(state_, device_, batch);
-    reject_conflicts(state_, device_, batch);
-    if (settings_.limits.sides == Sides::both) reject_turned_components(state_, batch);
+    reject_collisions(state_, device_, settings_.limits.sides, batch);
     if (settings_.side_test != nullptr) settings_.side_test->reject_wrong_sides(state_, settings_.limits, batch);
   }
 
