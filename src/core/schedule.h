@@ -29,10 +29,12 @@ std::string levels_error(const std::vector<std::size_t>& face_budgets);
 
 // How often vertices are moved inward after a cycle in which cages are tightened.
 int tightening_passes(const Options& options);
-// And how often after the last one so that no face turns away from the input.
-int aligning_passes(const Options& options);
-// Growths, all alike, into which the last one of a thickness that is found is divided to see whether less is enough.
+// And how often in the end, either way, so that the cage fits the input better.
+int fitting_passes(const Options& options);
+// Growths, all alike, into which the last one of a thickness that is found is divided to see whether less is enough,
+// and with how many seeds that is tried.
 int last_step_parts(const Options& options);
+int last_step_tries(const Options& options);
 
 // Empty if the options are in range, else one sentence that names the option at fault.
 std::string options_error(const Options& options);

@@ -38,6 +38,8 @@ constexpr double regularization_between_sides = 1e-5;
 constexpr std::size_t many_faces = 20000;
 constexpr double near_enough_of_many = 0.5;
 constexpr double near_enough_of_few = 0.02;
+// Between the seeds with which the last step is tried: beyond those that callers try one after the other.
+constexpr std::uint64_t seed_stride = 1u << 20;
 // Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
@@ -51,7 +53,8 @@ double float_margin(const CornerTable& mesh) {
 
 class Engine {
  public:
-  Engine(CageState& state, const EngineContext& context) : state_(state), context_(context) {
+  Engine(CageState& state, const EngineContext& context)
+      : state_(state), context_(context), seed_(context.options->seed) {
     const Options& options = *context.options;
     settings_.min_scale = 1e-12 * context.diagonal;
     settings_.cost_scale = 1 / (context.diagonal * context.diagonal);
@@ -64,14 +67,14 @@ class Engine {
   EngineOutcome run() {
     const std::vector<double>& thickness = context_.thickness;
     for (std::size_t k = 0; k < thickness.size(); ++k) {
-      if (budget_reached()) return EngineOutcome::budget_reached;
-      if (stopped()) return EngineOutcome::stopped;
+      if (budget_reached() || stopped()) break;
       if (k == 0) timed(context_.statistics->seconds.commit, [&] { sort_along_curve(state_); });
       std::optional<Snapshot> before;
       if (k > 0 && near_the_budget() && !context_.estimates) before = snapshot();
       run_cycle(k);
       if (before && budget_reached() && !stopped()) divide_last_step(k, *before);
     }
+    polish();
     if (stopped()) return EngineOutcome::stopped;
     return budget_reached() ? EngineOutcome::budget_reached : EngineOutcome::schedule_finished;
   }
@@ -98,13 +101,19 @@ class Engine {
 
   // The budget was reached in cycle k: with less than all of its growth of the thickness, perhaps?
   void divide_last_step(std::size_t k, const Snapshot& before) {
-    const Snapshot reached = snapshot();
-    restore(before);
+    Snapshot reached = snapshot();
     const double from = context_.thickness[k - 1], growth = context_.thickness[k] / from;
     const int parts = last_step_parts(*context_.options);
-    for (int part = 1; part < parts && !stopped(); ++part) {
-      run_cycle(k, from * std::pow(growth, static_cast<double>(part) / parts));
-      if (budget_reached() && !stopped()) return;
+    int enough = parts;
+    for (int attempt = 0; attempt < last_step_tries(*context_.options); ++attempt) {
+      restore(before);
+      seed_ = context_.options->seed + static_cast<std::uint64_t>(attempt) * seed_stride;
+      for (int part = 1; part < enough && !stopped(); ++part) {
+        run_cycle(k, from * std::pow(growth, static_cast<double>(part) / parts));
+        if (!budget_reached() || stopped()) continue;
+        reached = snapshot();
+        enough = part;
+      }
     }
     restore(reached);
   }
@@ -209,7 +218,7 @@ class Engine {
     timed(seconds.commit, [&] { sort_if_sparse(); });
     timed(seconds.evaluate, [&] { evaluate_dirty_edges(state_, settings_, cycle.counts); });
     std::vector<Candidate> selected;
-    timed(seconds.select, [&] { selected = select_independent_collapses(state_, context_.options->seed); });
+    timed(seconds.select, [&] { selected = select_independent_collapses(state_, seed_); });
     if (selected.empty()) return false;
     PlacedCollapses placed;
     timed(seconds.evaluate, [&] { placed = place_collapses(state_, settings_, selected); });
@@ -250,8 +259,7 @@ class Engine {
   void run_flips(CycleStatistics& cycle) {
     report(Control::Stage::flip, 0.95);
     timed(context_.statistics->seconds.flip, [&] {
-      FlipSettings flips{limits_, context_.options->seed, coverage(), many_components() ? context_.input : nullptr,
-                         context_.side_test};
+      FlipSettings flips{limits_, seed_, coverage(), many_components() ? context_.input : nullptr, context_.side_test};
       flips.room = context_.room;
       flip_edges(state_, flips, context_.frame, *context_.device, *context_.band, context_.control, cycle.counts);
     });
@@ -260,14 +268,31 @@ class Engine {
   void run_tightening(CycleStatistics& cycle) {
     TightenSettings tightening;
     tightening.passes = tightening_passes(*context_.options);
-    if (last_of_all()) tightening.aligning_passes = aligning_passes(*context_.options);
-    if (tightening.passes == 0 || context_.input == nullptr || !(last_of_all() || near_the_budget())) return;
+    if (tightening.passes > 0 && (last_of_all() || near_the_budget())) tighten_cage(tightening, cycle);
+  }
+
+  // Once there is nothing left to collapse.
+  void polish() {
+    std::vector<CycleStatistics>& cycles = context_.statistics->cycles;
+    TightenSettings tightening;
+    tightening.fitting_passes = fitting_passes(*context_.options);
+    if (tightening.fitting_passes == 0 || cycles.empty() || context_.estimates || stopped()) return;
+    const Stopwatch watch(cycles.back().seconds);
+    CycleStatistics polishing;
+    tighten_cage(tightening, polishing);
+    cycles.back().counts += polishing.counts;
+    context_.statistics->counts += polishing.counts;
+  }
+
+  void tighten_cage(TightenSettings& tightening, CycleStatistics& cycle) {
+    if (context_.input == nullptr) return;
     tightening.limits = limits_;
     tightening.flips = context_.options->flips;
     tightening.shortest = shortest_move * limits_.centroids;
     tightening.float_positions = settings_.float_positions;
-    tightening.seed = context_.options->seed;
+    tightening.seed = seed_;
     tightening.coverage = coverage();
+    if (coverage() != nullptr) tightening.sample_area = sample_area();
     report(Control::Stage::tighten, 0.97);
     timed(context_.statistics->seconds.tighten, [&] {
       tighten(state_, tightening, *context_.input, context_.frame, *context_.device, *context_.band, context_.control,
@@ -275,15 +300,17 @@ class Engine {
     });
   }
 
+  double sample_area() const { return context_.area / static_cast<double>(coverage()->size()); }
+
   void run_refitting(CycleStatistics& cycle) {
     if (!context_.refits || coverage() == nullptr || !(last_of_all() || near_the_budget())) return;
     RefitSettings refitting;
     refitting.limits = limits_;
     refitting.passes = last_of_all() ? last_refits : 1;
-    refitting.sample_area = context_.area / static_cast<double>(coverage()->size());
+    refitting.sample_area = sample_area();
     refitting.shortest = shortest_refit * limits_.centroids;
     refitting.float_positions = settings_.float_positions;
-    refitting.seed = context_.options->seed;
+    refitting.seed = seed_;
     refitting.coverage = coverage();
     refitting.side_test = context_.side_test;
     report(Control::Stage::tighten, 0.97);
@@ -315,6 +342,7 @@ class Engine {
   PlacementSettings settings_;
   BandLimits limits_;
   std::size_t cycle_ = 0;
+  std::uint64_t seed_;  // of the attempt at the last step
 };
 
 }  // namespace

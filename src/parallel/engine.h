@@ -38,7 +38,7 @@ struct EngineContext {
   std::size_t most_covered_faces = 20000;  // coverage begins when the cage has come down to so many faces
   int attempt = 0, attempts = 1;           // for the progress, where the closest of several cages is taken
   bool refits = false;                     // vertices move to where the input wants them
-  double area = 0;                         // of the input, if so
+  double area = 0;                         // of the input, if so or if cages are polished
   bool estimates = false;                  // only how far the thickness would have to grow is wanted
   bool constrained = true;                 // false: collapses keep to the topology and to nothing else, to compare with
 };

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/angles.h"
 #include "core/predicates.h"
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
+#include "parallel/misfit.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -20,6 +22,8 @@ constexpr double smallest_normal_cosine = 0.2;
 // Flips that take volume away take so much of the thickness of the cycle at least, as the height of one corner above
 // the opposite face.
 constexpr double smallest_height = 0.002;
+// Degrees: what flips for a better fit gain, in the mean over their quadrilateral.
+constexpr double smallest_fit = 0.1;
 // The gain that flips are ranked by, at most.
 constexpr double largest_gain = 180;
 
@@ -57,6 +61,8 @@ struct Quadrilateral {
     return area > 0 ? n.dot(a - d) / area : 0;
   }
 
+  double area() const { return 0.5 * ((b - a).cross(c - a).norm() + (a - b).cross(d - b).norm()); }
+
   bool keeps_direction() const {
     const Vec3 old1 = unit_normal(a, b, c), old2 = unit_normal(b, a, d);
     const Vec3 new1 = unit_normal(d, c, a), new2 = unit_normal(c, d, b);
@@ -87,19 +93,45 @@ double volume_gain(const CornerTable& mesh, const FlipSettings& settings, const 
   return q.keeps_direction() && q.keeps_manifold(mesh) ? std::min(depth, largest_gain) : 0;
 }
 
-double flip_gain(const CornerTable& mesh, const FlipSettings& settings, std::uint32_t h) {
-  const Quadrilateral q(mesh, h);
-  return settings.goal == FlipGoal::volume ? volume_gain(mesh, settings, q) : angle_gain(mesh, settings, q);
+// The same in degrees of misfit, in the mean.
+double fit_gain(const CageState& state, const FlipSettings& settings, const DistanceBand& band, std::uint32_t h,
+                const Quadrilateral& q) {
+  const CornerTable& mesh = state.mesh;
+  if (q.angle_after() < std::min(q.angle_before(), settings.wide_enough)) return 0;
+  if (!q.keeps_direction() || !q.keeps_manifold(mesh)) return 0;
+  const auto misfit_of = [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t f) {
+    return misfit(band, {a, b, c}, state.face_near[f], settings.limits.centroids);
+  };
+  const std::uint32_t f = h / 3, g = mesh.twin[h] / 3;
+  const double gain = misfit_of(q.a, q.b, q.c, f) + misfit_of(q.b, q.a, q.d, g) - misfit_of(q.d, q.c, q.a, f) -
+                      misfit_of(q.c, q.d, q.b, g);
+  const double mean = gain / q.area() * 180 / std::numbers::pi;
+  return mean > smallest_fit ? std::min(mean, largest_gain) : 0;
+}
+
+double flip_gain(const CageState& state, const FlipSettings& settings, const DistanceBand& band, std::uint32_t h) {
+  const Quadrilateral q(state.mesh, h);
+  switch (settings.goal) {
+    case FlipGoal::angle:
+      return angle_gain(state.mesh, settings, q);
+    case FlipGoal::volume:
+      return volume_gain(state.mesh, settings, q);
+    case FlipGoal::fit:
+      return fit_gain(state, settings, band, h, q);
+  }
+  return 0;
 }
 
 // Flips worth trying, the largest gain with the lowest key. Blocked edges failed an exact test in this stage already.
-std::vector<Candidate> find_flips(const CornerTable& mesh, const std::vector<std::uint8_t>& blocked,
-                                  const FlipSettings& settings) {
-  return parallel_gather<Candidate>(mesh.corner_vertex.size(), 1u << 12,
+std::vector<Candidate> find_flips(const CageState& state, const std::vector<std::uint8_t>& blocked,
+                                  const FlipSettings& settings, const DistanceBand& band) {
+  const CornerTable& mesh = state.mesh;
+  const std::size_t grain = settings.goal == FlipGoal::fit ? 32 : 1u << 12;  // queries take their time
+  return parallel_gather<Candidate>(mesh.corner_vertex.size(), grain,
                                     [&](std::size_t begin, std::size_t end, auto& list) {
                                       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
                                         if (!represents_edge(mesh, h) || blocked[h]) continue;
-                                        const double gain = flip_gain(mesh, settings, h);
+                                        const double gain = flip_gain(state, settings, band, h);
                                         if (gain <= 0) continue;
                                         const auto rank = static_cast<float>(largest_gain - gain);
                                         list.push_back({candidate_key(rank, h, settings.seed), h});
@@ -145,10 +177,10 @@ void flip_edges(CageState& state, const FlipSettings& settings, const UnitFrame&
   for (int round = 0; round < max_rounds; ++round) {
     if (control != nullptr && control->stopped()) return;
     const std::vector<Candidate> selected =
-        select_independent_flips(state.mesh, find_flips(state.mesh, blocked, settings));
+        select_independent_flips(state.mesh, find_flips(state, blocked, settings, band));
     if (selected.empty()) return;
     PatchBatch batch = build_flips(state, frame, selected);
-    const bool inward = settings.goal == FlipGoal::volume;
+    const bool inward = settings.goal != FlipGoal::angle;
     test_patches_locally(state, batch, settings.limits.sides, inward);
     test_patches_against_band(state, band, settings.limits, batch);
     test_flips_at_samples(state, band, settings.limits.centroids, batch);

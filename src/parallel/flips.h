@@ -11,7 +11,7 @@
 
 namespace prcage {
 
-enum class FlipGoal { angle, volume };
+enum class FlipGoal { angle, volume, fit };
 
 struct FlipSettings {
   BandLimits limits;
@@ -20,8 +20,8 @@ struct FlipSettings {
   const Obstacle* obstacle = nullptr;  // if a flip might take in a component, or takes volume away
   const SideTest* side_test = nullptr;
   FlipGoal goal = FlipGoal::angle;
-  // Degrees. Smallest angles of this size are wide enough: they are not raised for their own sake, and volume may be
-  // taken away as long as they stay so.
+  // Degrees. Smallest angles of this size are wide enough: they are not raised for their own sake, and the other goals
+  // may be followed as long as they stay so.
   double wide_enough = 180;
   const WrapRoom* room = nullptr;
 };

@@ -326,6 +326,7 @@ class Pipeline : PipelineBase<Result> {
     EngineContext context{&options_, s.diagonal, thickness, inner().tree.frame(), &device_, &band, &obstacle,
                           nullptr,   control_,   &s};
     if (before_) measure_to_input(state, band, before_->reach, before_->gap + float_rounding(state.mesh));
+    context.area = result_.validation.area;
     take_closest_attempt(state, context);
     // The first cage, of which something may be left, is within the first thickness.
     if (finds_thickness(options_))

@@ -20,8 +20,8 @@ namespace prcage {
 enum class Verdict : std::uint8_t {
   accepted,
   sweeps_inward,   // exact orientation: the cage would move inside one of its faces
-  turns_over,      // a new face would look away from those that it replaces or from the input: bands on both sides;
-                   // or faces would look away from the input more than they did: moves that are to align them
+  turns_over,      // a new face would look away from those that it replaces or from the input: bands on both sides
+  fits_worse,      // the new faces would fit the input worse: moves that are to polish the cage
   degenerate,      // a new face is degenerate, or the patch meets itself
   beyond_tau,      // not proved to be within tau of the input
   hits_cage,       // meets the rest of the cage

@@ -9,6 +9,7 @@
 #include "parallel/commit.h"
 #include "parallel/conflicts.h"
 #include "parallel/flips.h"
+#include "parallel/misfit.h"
 #include "parallel/parallel_for.h"
 
 namespace prcage {
@@ -22,6 +23,8 @@ constexpr double least_area = 0.3;
 // Every pass but the first tilts the directions at random, by up to the angle of this tangent: vertices that are
 // blocked on the straight way in slide past what blocks them.
 constexpr double largest_tilt = 8;
+// Edges are flipped for a better fit before every pass of moves for it that this divides.
+constexpr int fitting_passes_per_flips = 5;
 // Angles in degrees: edges are flipped, and vertices slide, for the sake of faces that are narrower than this. Vertices
 // do if that is a gain of so many times at least.
 constexpr double wide_enough_for_flips = 15;
@@ -45,9 +48,10 @@ Vec3 tilted(const Vec3& direction, const CounterRandom& random, std::uint64_t v)
   return length > 0 ? (direction + largest_tilt * uniform(3) / length * across).normalized() : direction;
 }
 
-// Against the mean normal of the star, that is down the gradient of the volume, or tilted from there, by as much as the
-// star is away from the input at most.
-Move first_move(const CageState& state, const DistanceBand& band, std::uint32_t v, const CounterRandom* tilt) {
+// Against the mean normal of the star, that is down the gradient of the volume, or the other way, or tilted from there,
+// by as much as the star is away from the input at most.
+Move first_move(const CageState& state, const DistanceBand& band, std::uint32_t v, bool outward,
+                const CounterRandom* tilt) {
   const CornerTable& mesh = state.mesh;
   if (mesh.vertex_halfedge[v] == none) return {};
   Vec3 sum = Vec3::Zero();
@@ -59,8 +63,8 @@ Move first_move(const CageState& state, const DistanceBand& band, std::uint32_t 
   const double length = sum.norm();
   if (!(length > 0)) return {};
   const double own = band.nearest(mesh.vec_at(v), state.face_near[mesh.vertex_halfedge[v] / 3]).distance;
-  const Vec3 inward = -sum / length;
-  return {tilt == nullptr ? inward : tilted(inward, *tilt, v), std::max<double>(own, farthest), 0};
+  const Vec3 way = (outward ? sum : -sum) / length;
+  return {tilt == nullptr ? way : tilted(way, *tilt, v), std::max<double>(own, farthest), 0};
 }
 
 // Do the faces keep their shape and their side?
@@ -114,33 +118,19 @@ bool widens(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
   return after > least_widening * before && volume <= 0;
 }
 
-// The angle between the normals of a triangle and of the input, in the mean over the triangle, times its area.
-double turned_away(const DistanceBand& band, const Corners& p, std::uint32_t hint) {
-  constexpr Barycentric samples[] = {{1 / 3.0, 1 / 3.0, 1 / 3.0},
-                                     {2 / 3.0, 1 / 6.0, 1 / 6.0},
-                                     {1 / 6.0, 2 / 3.0, 1 / 6.0},
-                                     {1 / 6.0, 1 / 6.0, 2 / 3.0}};
-  const Vec3 normal = scaled_normal(p[0], p[1], p[2]);
-  double sum = 0;
-  for (const Barycentric& weights : samples) {
-    hint = band.nearest(at(p, weights), hint).face;
-    const Vec3 wanted = band.area_normal(hint);
-    sum += std::atan2(normal.cross(wanted).norm(), normal.dot(wanted));
-  }
-  return normal.norm() * sum / std::size(samples);
-}
-
 // Of all faces of a patch and of those that they replace: by how much is there more of it?
-double turning(const CageState& state, const DistanceBand& band, const PatchBatch& batch, std::size_t i) {
+double misfit_rise(const CageState& state, const DistanceBand& band, double thickness, const PatchBatch& batch,
+                   std::size_t i) {
   const CornerTable& mesh = state.mesh;
   double sum = 0;
-  for (const std::uint32_t f : batch.removed_faces(i)) sum -= turned_away(band, mesh.corners(f), state.face_near[f]);
+  for (const std::uint32_t f : batch.removed_faces(i))
+    sum -= misfit(band, mesh.corners(f), state.face_near[f], thickness);
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t)
-    sum += turned_away(band, patch_corners(mesh, batch, t), batch.near[t].face);
+    sum += misfit(band, patch_corners(mesh, batch, t), batch.near[t].face, thickness);
   return sum;
 }
 
-enum class MoveKind { inward, tilted, aligning, widening };
+enum class MoveKind { inward, tilted, fitting, widening };
 
 class Tightening {
  public:
@@ -162,7 +152,10 @@ class Tightening {
       flip(FlipGoal::volume);
       flip(FlipGoal::angle);
     }
-    for (int pass = 0; pass < settings_.aligning_passes; ++pass) move(MoveKind::aligning, settings_.passes + pass);
+    for (int pass = 0; pass < settings_.fitting_passes; ++pass) {
+      if (pass % fitting_passes_per_flips == 0) flip(FlipGoal::fit);
+      move(MoveKind::fitting, settings_.passes + pass);
+    }
     move(MoveKind::widening, 0);
   }
 
@@ -180,10 +173,12 @@ class Tightening {
   void move(MoveKind kind, int pass) {
     const CornerTable& mesh = state_.mesh;
     const CounterRandom tilt(settings_.seed, static_cast<std::uint64_t>(pass));
+    const bool outward = kind == MoveKind::fitting && pass % 2 != 0;
     parallel_each(moves_.size(), 16, [&](std::size_t i) {
       const auto v = static_cast<std::uint32_t>(i);
-      moves_[i] = kind == MoveKind::widening ? widening_move(mesh, v)
-                                             : first_move(state_, band_, v, kind == MoveKind::inward ? nullptr : &tilt);
+      moves_[i] = kind == MoveKind::widening
+                      ? widening_move(mesh, v)
+                      : first_move(state_, band_, v, outward, kind == MoveKind::inward ? nullptr : &tilt);
     });
     for (std::uint64_t round = 0; !stopped(); ++round) {
       parallel_each(moves_.size(), 256, [&](std::size_t i) { shorten(kind, static_cast<std::uint32_t>(i)); });
@@ -222,10 +217,7 @@ class Tightening {
     reject_conflicts(state_, device_, batch);
     test_patches_against_band(state_, band_, settings_.limits, batch);
     if (settings_.coverage != nullptr) settings_.coverage->test(state_, settings_.limits.centroids, batch);
-    if (kind == MoveKind::aligning)
-      parallel_each(batch.size(), 1, [&](std::size_t i) {
-        if (batch.alive(i) && turning(state_, band_, batch, i) > 0) batch.verdict[i] = Verdict::turns_over;
-      });
+    if (kind == MoveKind::fitting) reject_worse_fits(batch);
     for (std::size_t i = 0; i < batch.size(); ++i) {
       Move& move = moves_[batch.moved[i]];
       if (batch.verdict[i] == Verdict::conflict) continue;  // another one goes first
@@ -235,6 +227,17 @@ class Tightening {
     commit_moves(state_, batch);
     if (settings_.coverage != nullptr) settings_.coverage->commit(batch);
     counts_.tightened += batch.count(Verdict::accepted);
+  }
+
+  void reject_worse_fits(PatchBatch& batch) const {
+    const double thickness = settings_.limits.centroids;
+    parallel_each(batch.size(), 1, [&](std::size_t i) {
+      if (!batch.alive(i)) return;
+      double rise = misfit_rise(state_, band_, thickness, batch, i);
+      if (settings_.coverage != nullptr)
+        rise += misfit_of_samples(settings_.coverage->rise()[i], settings_.sample_area, thickness);
+      if (rise > 0) batch.verdict[i] = Verdict::fits_worse;
+    });
   }
 
   CageState& state_;

@@ -5,8 +5,8 @@
 //
 // Distance is not paid for with slivers: flips that raise the smallest angle go in between, and in the end vertices
 // slide along the surface where that widens the narrowest faces around them and adds no volume. Passes before that may
-// be limited to moves that turn no star away from the input's normals: these are what moves for the sake of volume
-// alone spoil.
+// polish the cage: vertices move and edges flip either way, where that makes the cage fit the input better (misfit.h),
+// in normals above all, which moves for the sake of volume alone spoil.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +19,14 @@ namespace prcage {
 struct TightenSettings {
   BandLimits limits;
   int passes = 1;
-  int aligning_passes = 0;  // after those
+  int fitting_passes = 0;  // after those
   bool flips = true;
   // Moves shorter than this, input's unit, are not worth their tests.
   double shortest = 0;
   bool float_positions = false;
   std::uint64_t seed = 0;
   Coverage* coverage = nullptr;  // if samples of the input are to stay within limits.centroids
+  double sample_area = 0;        // of the input, that a sample stands for
 };
 
 // The cage is valid after every round. Runs inside an Arena.
