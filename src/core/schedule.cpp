@@ -37,7 +37,6 @@ int tightening_passes(const Options& options) {
 int fitting_passes(const Options& options) { return finds_thickness(options) ? by_quality(options, 0, 20, 100) : 0; }
 
 int last_step_parts(const Options& options) { return by_quality(options, 4, 4, 8); }
-int last_step_tries(const Options& options) { return by_quality(options, 1, 3, 3); }
 
 std::vector<double> thickness_steps(const Options& options, double diagonal, double area) {
   std::vector<double> steps;

@@ -38,8 +38,10 @@ constexpr double regularization_between_sides = 1e-5;
 constexpr std::size_t many_faces = 20000;
 constexpr double near_enough_of_many = 0.5;
 constexpr double near_enough_of_few = 0.02;
-// Between the seeds with which the last step is tried: beyond those that callers try one after the other.
-constexpr std::uint64_t seed_stride = 1u << 20;
+// A plane of the star bounds how far a vertex is from the input, and far from its own face that bound is much too
+// large. Where nothing more is possible within the thickness, it is this many times as large for the planes, and only
+// the proof that the new faces are within the thickness itself counts.
+constexpr double loose_planes = 2;
 // Arrays are compacted and sorted below this share of live faces.
 constexpr double compaction_share = 0.6;
 
@@ -53,8 +55,7 @@ double float_margin(const CornerTable& mesh) {
 
 class Engine {
  public:
-  Engine(CageState& state, const EngineContext& context)
-      : state_(state), context_(context), seed_(context.options->seed) {
+  Engine(CageState& state, const EngineContext& context) : state_(state), context_(context) {
     const Options& options = *context.options;
     settings_.min_scale = 1e-12 * context.diagonal;
     settings_.cost_scale = 1 / (context.diagonal * context.diagonal);
@@ -101,19 +102,13 @@ class Engine {
 
   // The budget was reached in cycle k: with less than all of its growth of the thickness, perhaps?
   void divide_last_step(std::size_t k, const Snapshot& before) {
-    Snapshot reached = snapshot();
+    const Snapshot reached = snapshot();
+    restore(before);
     const double from = context_.thickness[k - 1], growth = context_.thickness[k] / from;
     const int parts = last_step_parts(*context_.options);
-    int enough = parts;
-    for (int attempt = 0; attempt < last_step_tries(*context_.options); ++attempt) {
-      restore(before);
-      seed_ = context_.options->seed + static_cast<std::uint64_t>(attempt) * seed_stride;
-      for (int part = 1; part < enough && !stopped(); ++part) {
-        run_cycle(k, from * std::pow(growth, static_cast<double>(part) / parts));
-        if (!budget_reached() || stopped()) continue;
-        reached = snapshot();
-        enough = part;
-      }
+    for (int part = 1; part < parts && !stopped(); ++part) {
+      run_cycle(k, from * std::pow(growth, static_cast<double>(part) / parts));
+      if (budget_reached() && !stopped()) return;
     }
     restore(reached);
   }
@@ -155,9 +150,11 @@ class Engine {
       if (renews_coverage() || coverage() == nullptr) start_coverage();
       forget_costs(state_);
       report(Control::Stage::collapse, 0);
-      while (!stopped() && !budget_reached() && run_round(cycle)) {
-        ++cycle.rounds;
-        report(Control::Stage::collapse, 1 - 1 / (1 + 0.1 * static_cast<double>(cycle.rounds)));
+      run_rounds(cycle);
+      if (proves_all() && (near_the_budget() || k + 1 == context_.thickness.size())) {
+        settings_.band.outer *= loose_planes;
+        forget_costs(state_);
+        run_rounds(cycle);
       }
       if (context_.options->flips && !stopped()) run_flips(cycle);
       if (!stopped()) run_tightening(cycle);
@@ -166,6 +163,18 @@ class Engine {
     cycle.faces = state_.live_faces;
     context_.statistics->counts += cycle.counts;
     context_.statistics->cycles.push_back(cycle);
+  }
+
+  void run_rounds(CycleStatistics& cycle) {
+    while (!stopped() && !budget_reached() && run_round(cycle)) {
+      ++cycle.rounds;
+      report(Control::Stage::collapse, 1 - 1 / (1 + 0.1 * static_cast<double>(cycle.rounds)));
+    }
+  }
+
+  // Is every point of a cage proved to be within the thickness, whatever the planes say?
+  bool proves_all() const {
+    return context_.constrained && limits_.sides == Sides::outer && context_.options->tau_mode == TauMode::strict;
   }
 
   // What is proved of every point is the thickness of the run, if it is known, else that of the cycle.
@@ -218,7 +227,7 @@ class Engine {
     timed(seconds.commit, [&] { sort_if_sparse(); });
     timed(seconds.evaluate, [&] { evaluate_dirty_edges(state_, settings_, cycle.counts); });
     std::vector<Candidate> selected;
-    timed(seconds.select, [&] { selected = select_independent_collapses(state_, seed_); });
+    timed(seconds.select, [&] { selected = select_independent_collapses(state_, context_.options->seed); });
     if (selected.empty()) return false;
     PlacedCollapses placed;
     timed(seconds.evaluate, [&] { placed = place_collapses(state_, settings_, selected); });
@@ -259,7 +268,8 @@ class Engine {
   void run_flips(CycleStatistics& cycle) {
     report(Control::Stage::flip, 0.95);
     timed(context_.statistics->seconds.flip, [&] {
-      FlipSettings flips{limits_, seed_, coverage(), many_components() ? context_.input : nullptr, context_.side_test};
+      FlipSettings flips{limits_, context_.options->seed, coverage(), many_components() ? context_.input : nullptr,
+                         context_.side_test};
       flips.room = context_.room;
       flip_edges(state_, flips, context_.frame, *context_.device, *context_.band, context_.control, cycle.counts);
     });
@@ -290,7 +300,7 @@ class Engine {
     tightening.flips = context_.options->flips;
     tightening.shortest = shortest_move * limits_.centroids;
     tightening.float_positions = settings_.float_positions;
-    tightening.seed = seed_;
+    tightening.seed = context_.options->seed;
     tightening.coverage = coverage();
     if (coverage() != nullptr) tightening.sample_area = sample_area();
     report(Control::Stage::tighten, 0.97);
@@ -310,7 +320,7 @@ class Engine {
     refitting.sample_area = sample_area();
     refitting.shortest = shortest_refit * limits_.centroids;
     refitting.float_positions = settings_.float_positions;
-    refitting.seed = seed_;
+    refitting.seed = context_.options->seed;
     refitting.coverage = coverage();
     refitting.side_test = context_.side_test;
     report(Control::Stage::tighten, 0.97);
@@ -342,7 +352,6 @@ class Engine {
   PlacementSettings settings_;
   BandLimits limits_;
   std::size_t cycle_ = 0;
-  std::uint64_t seed_;  // of the attempt at the last step
 };
 
 }  // namespace

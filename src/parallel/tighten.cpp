@@ -26,7 +26,7 @@ constexpr double largest_tilt = 8;
 // Edges are flipped for a better fit before every pass of moves for it that this divides.
 constexpr int fitting_passes_per_flips = 5;
 // Angles in degrees: edges are flipped, and vertices slide, for the sake of faces that are narrower than this. Vertices
-// do if that is a gain of so many times at least.
+// do if that is a gain of so many times at least. The polish leaves no faces narrower that are not so already.
 constexpr double wide_enough_for_flips = 15;
 constexpr double wide_enough = 20;
 constexpr double least_widening = 1.05;
@@ -106,16 +106,28 @@ Move widening_move(const CornerTable& mesh, std::uint32_t v) {
   return {along / length, 0.5 * length, 0};
 }
 
+// The smallest angle of the star of v, with v at p.
+double narrowest_angle(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
+  double narrowest = 180;
+  for_each_outgoing(mesh, v, [&](std::uint32_t h) {
+    narrowest = std::min(narrowest, least_angle(p, mesh.vec_at(mesh.target(h)), mesh.vec_at(mesh.apex(h))));
+  });
+  return narrowest;
+}
+
 // Is the narrowest face wider, and the volume no larger?
 bool widens(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
-  double before = 180, after = 180, volume = 0;
+  const Vec3 a = mesh.vec_at(v);
+  double volume = 0;
   for_each_outgoing(mesh, v, [&](std::uint32_t h) {
-    const Vec3 a = mesh.vec_at(v), b = mesh.vec_at(mesh.target(h)), c = mesh.vec_at(mesh.apex(h));
-    before = std::min(before, least_angle(a, b, c));
-    after = std::min(after, least_angle(p, b, c));
-    volume += (p - a).dot(scaled_normal(a, b, c));
+    volume += (p - a).dot(scaled_normal(a, mesh.vec_at(mesh.target(h)), mesh.vec_at(mesh.apex(h))));
   });
-  return after > least_widening * before && volume <= 0;
+  return volume <= 0 && narrowest_angle(mesh, v, p) > least_widening * narrowest_angle(mesh, v, a);
+}
+
+// Is no face narrower than those that are so already, or else wide enough?
+bool keeps_wide(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
+  return narrowest_angle(mesh, v, p) >= std::min(narrowest_angle(mesh, v, mesh.vec_at(v)), wide_enough);
 }
 
 // Of all faces of a patch and of those that they replace: by how much is there more of it?
@@ -194,7 +206,8 @@ class Tightening {
     const CornerTable& mesh = state_.mesh;
     Move& move = moves_[v];
     const auto good = [&](const Vec3& p) {
-      return keeps_faces(mesh, v, p) && (kind != MoveKind::widening || widens(mesh, v, p));
+      if (!keeps_faces(mesh, v, p)) return false;
+      return kind == MoveKind::widening ? widens(mesh, v, p) : kind != MoveKind::fitting || keeps_wide(mesh, v, p);
     };
     while (move.length > 0 && !good(mesh.vec_at(v) + move.length * move.direction))
       move.length = ++move.halvings > most_halvings ? 0 : 0.5 * move.length;
