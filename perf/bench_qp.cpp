@@ -32,8 +32,8 @@ QpProblems problems_of(std::size_t most) {
     if (bucket < most) least = bucket + 1;
   QpProblems problems;
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (all.plane_count(i) >= least && all.plane_count(i) <= most)
-      problems.add(all.form[i], all.linear[i], all.planes(i));
+    if (all.plane_count[i] >= least && all.plane_count[i] <= most)
+      problems.add(all.form[i], all.linear[i], all.planes(i), all.plane_count[i]);
   return problems;
 }
 
@@ -46,7 +46,7 @@ void describe(benchmark::State& state, const QpProblems& problems, std::size_t s
   const auto count = static_cast<double>(problems.size());
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(problems.size()));
   state.counters["problems"] = count;
-  state.counters["mean_planes"] = static_cast<double>(problems.nx.size()) / count;
+  state.counters["mean_planes"] = static_cast<double>(problems.all_planes()) / count;
   state.counters["feasible"] = static_cast<double>(solved) / count;
 }
 
@@ -86,13 +86,9 @@ void qp_batch(benchmark::State& state, SimdLevel level) {
   for (auto _ : state) {
     for (std::size_t i = 0; i < problems.size(); i += batch_size) {
       const std::size_t count = std::min(batch_size, problems.size() - i);
-      const Qp3Batch batch{std::span(problems.form).subspan(i, count),
-                           std::span(problems.linear).subspan(i, count),
-                           std::span(problems.first_plane).subspan(i, count + 1),
-                           problems.nx,
-                           problems.ny,
-                           problems.nz,
-                           problems.offset};
+      const Qp3Batch batch{std::span(problems.form).subspan(i, count), std::span(problems.linear).subspan(i, count),
+                           std::span(problems.first_row).subspan(i, count),
+                           std::span(problems.row_length).subspan(i, count), problems.rows};
       solve_qp3_batch(batch, tolerance, std::span(x).subspan(i, count), std::span(status).subspan(i, count), level);
     }
     benchmark::ClobberMemory();

@@ -4,8 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <string>
 #include <vector>
+
+#include <tbb/cache_aligned_allocator.h>
 
 #include "core/qp3.h"
 
@@ -15,16 +18,14 @@ namespace prcage::perf {
 struct QpProblems {
   std::vector<Symmetric3> form;
   std::vector<Vec3> linear;
-  std::vector<std::uint32_t> first_plane{0};  // planes of problem i: [first_plane[i], first_plane[i + 1])
-  std::vector<double> nx, ny, nz, offset;
+  std::vector<std::uint32_t> first_row, row_length;  // see Qp3Batch
+  std::vector<double, tbb::cache_aligned_allocator<double>> rows;
+  std::vector<std::uint32_t> plane_count;  // of those that are no padding
 
   std::size_t size() const { return form.size(); }
-  std::size_t plane_count(std::size_t i) const { return first_plane[i + 1] - first_plane[i]; }
-  PlaneArrays planes(std::size_t i) const {
-    const std::size_t k = first_plane[i];
-    return {nx.data() + k, ny.data() + k, nz.data() + k, offset.data() + k, plane_count(i)};
-  }
-  void add(const Symmetric3& problem_form, const Vec3& problem_linear, const PlaneArrays& planes);
+  SlabRows planes(std::size_t i) const { return {rows.data() + first_row[i], row_length[i]}; }
+  std::size_t all_planes() const { return std::accumulate(plane_count.begin(), plane_count.end(), std::size_t{0}); }
+  void add(const Symmetric3& problem_form, const Vec3& problem_linear, const SlabRows& slabs, std::size_t planes);
 };
 
 // Both throw std::runtime_error.

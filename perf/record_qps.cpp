@@ -37,12 +37,10 @@ void add_problem(const PlacementBatch& batch, std::size_t i, double regularizati
   if (!(form.trace() > 0)) return;
   const double weight = 1 / form.trace();
   const double ridge = regularization / 3;
-  const std::size_t first = batch.first_plane[i];
-  problems.add(
-      {form.xx * weight + ridge, form.xy * weight, form.xz * weight, form.yy * weight + ridge, form.yz * weight,
-       form.zz * weight + ridge},
-      batch.linear[i] * weight,
-      {&batch.nx[first], &batch.ny[first], &batch.nz[first], &batch.offset[first], batch.first_plane[i + 1] - first});
+  problems.add({form.xx * weight + ridge, form.xy * weight, form.xz * weight, form.yy * weight + ridge,
+                form.yz * weight, form.zz * weight + ridge},
+               batch.linear[i] * weight, {&batch.rows[batch.first_row[i]], batch.row_length[i]},
+               3 * batch.frame[i].faces - 2);
 }
 
 void record(const Workload& workload, std::size_t sample, QpProblems& problems) {
@@ -67,7 +65,7 @@ void run(const Command& command) {
   }
   write_qps(command.output, problems);
   fmt::print("{}: {} problems, {:.1f} planes on average\n", command.output, problems.size(),
-             static_cast<double>(problems.nx.size()) / static_cast<double>(problems.size()));
+             static_cast<double>(problems.all_planes()) / static_cast<double>(problems.size()));
 }
 
 }  // namespace

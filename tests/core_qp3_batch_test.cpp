@@ -24,9 +24,13 @@ using testing::Random;
 
 constexpr double tolerance = 1e-10;
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// offset <= normal . x, and normal . x <= upper if it becomes a slab.
 struct Plane {
   Vec3 normal;
   double offset;
+  double upper = infinity;
 };
 
 struct Problem {
@@ -35,23 +39,24 @@ struct Problem {
   std::vector<Plane> planes;
 };
 
-// Problems in the flat form that both solvers read.
+// Problems in the form of the batch solver, the first half of the planes as slabs and the others as half-spaces; and as
+// single planes, in the order in which those are visited.
 class Flat {
  public:
   explicit Flat(const std::vector<Problem>& problems) {
     for (const Problem& p : problems) {
       form_.push_back(p.form);
       linear_.push_back(p.linear);
-      for (const Plane& plane : p.planes) {
-        nx_.push_back(plane.normal.x());
-        ny_.push_back(plane.normal.y());
-        nz_.push_back(plane.normal.z());
-        offset_.push_back(plane.offset);
-      }
-      first_plane_.push_back(static_cast<std::uint32_t>(nx_.size()));
+      const std::size_t slabs = (p.planes.size() + 1) / 2;
+      add_rows(p.planes, slabs);
+      for (std::size_t i = 0; i < slabs; ++i) add_plane(p.planes[i].normal, p.planes[i].offset);
+      for (std::size_t i = 0; i < slabs; ++i)
+        if (p.planes[i].upper < infinity) add_plane(-p.planes[i].normal, -p.planes[i].upper);
+      for (std::size_t i = slabs; i < p.planes.size(); ++i) add_plane(p.planes[i].normal, p.planes[i].offset);
+      first_plane_.push_back(nx_.size());
     }
   }
-  Qp3Batch batch() const { return {form_, linear_, first_plane_, nx_, ny_, nz_, offset_}; }
+  Qp3Batch batch() const { return {form_, linear_, first_row_, row_length_, rows_}; }
   PlaneArrays planes(std::size_t i) const {
     const std::size_t first = first_plane_[i];
     return {nx_.data() + first, ny_.data() + first, nz_.data() + first, offset_.data() + first,
@@ -59,9 +64,36 @@ class Flat {
   }
 
  private:
+  void add_rows(const std::vector<Plane>& planes, std::size_t slabs) {
+    const std::size_t first = rows_.size(), length = slabs == 0 ? 0 : row_length(slabs);
+    first_row_.push_back(static_cast<std::uint32_t>(first));
+    row_length_.push_back(static_cast<std::uint32_t>(length));
+    rows_.resize(first + slab_rows * length, 0.0);
+    const auto row = [&](std::size_t r) { return rows_.begin() + static_cast<std::ptrdiff_t>(first + r * length); };
+    std::fill_n(row(slab_lower), length, -1.0);
+    std::fill_n(row(slab_upper), length, 1.0);
+    std::fill_n(row(slab_inward_offset), length, -1.0);
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      const bool slab = i < slabs;
+      const auto k = static_cast<std::ptrdiff_t>(slab ? i : i - slabs);
+      for (std::size_t c = 0; c < 3; ++c)
+        row((slab ? slab_normal : slab_inward) + c)[k] = planes[i].normal[static_cast<Eigen::Index>(c)];
+      row(slab ? slab_lower : slab_inward_offset)[k] = planes[i].offset;
+      if (slab) row(slab_upper)[k] = planes[i].upper;
+    }
+  }
+  void add_plane(const Vec3& normal, double offset) {
+    nx_.push_back(normal.x());
+    ny_.push_back(normal.y());
+    nz_.push_back(normal.z());
+    offset_.push_back(offset);
+  }
+
   std::vector<Symmetric3> form_;
   std::vector<Vec3> linear_;
-  std::vector<std::uint32_t> first_plane_{0};
+  std::vector<std::uint32_t> first_row_, row_length_;
+  std::vector<double> rows_;
+  std::vector<std::size_t> first_plane_{0};
   std::vector<double> nx_, ny_, nz_, offset_;
 };
 
@@ -191,6 +223,13 @@ Problem nearly_parallel(Random& random) {
   return p;
 }
 
+// Both sides bounded, some slabs empty.
+Problem slabs(Random& random) {
+  Problem p = any_problem(random);
+  for (Plane& plane : p.planes) plane.upper = plane.offset + random.uniform(-0.01, 4);
+  return p;
+}
+
 Problem few_planes(Random& random) {
   Problem p = any_problem(random);
   p.planes.resize(std::min(p.planes.size(), random.below(10)));
@@ -236,6 +275,7 @@ const Kind kinds[] = {{"Any", any_problem},
                       {"WithDuplicates", with_duplicates},
                       {"Symmetric", symmetric},
                       {"NearlyParallel", nearly_parallel},
+                      {"Slabs", slabs},
                       {"FewPlanes", few_planes},
                       {"ManyPlanes", many_planes},
                       {"Broken", broken}};
@@ -295,6 +335,18 @@ TEST(Qp3Batch, TheViolatedPlaneIsFoundWhereverItIs) {
     }
     const Solutions s = expect_same_bits(problems);
     for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(s.x[i], Vec3(0.5, 0, 0));
+  }
+}
+
+TEST(Qp3Batch, TheViolatedUpperBoundIsFoundWhereverItIs) {
+  for (std::size_t n = 1; n <= 40; ++n) {
+    std::vector<Problem> problems(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      problems[i].planes.assign(2 * n, {Vec3::UnitY(), -1, 1});
+      problems[i].planes[i] = {Vec3::UnitX(), -1, -0.5};
+    }
+    const Solutions s = expect_same_bits(problems);
+    for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(s.x[i], Vec3(-0.5, 0, 0));
   }
 }
 

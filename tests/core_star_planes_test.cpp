@@ -29,7 +29,7 @@ constexpr double junk = 1e200;
 struct Stars {
   std::vector<StarFrame> frame;
   std::vector<double> x, y, z, lower, upper;
-  std::uint32_t planes = 0;
+  std::uint32_t row_numbers = 0;
 
   void add(const Vec3& tail, const Vec3& head, std::size_t tail_faces, const std::vector<Vec3>& corners,
            const std::vector<double>& low, const std::vector<double>& high) {
@@ -42,11 +42,11 @@ struct Stars {
     }
     f.scale = (head - tail).norm();
     f.first_corner = static_cast<std::uint32_t>(x.size());
-    f.first_plane = planes;
+    f.first_row = row_numbers;
     f.faces = static_cast<std::uint32_t>(corners.size() - 1);
     f.tail_faces = static_cast<std::uint32_t>(tail_faces);
     frame.push_back(f);
-    planes += planes_of_star(f.faces);
+    row_numbers += static_cast<std::uint32_t>(slab_rows * row_length(f.faces));
     for (const Vec3& c : corners) {
       x.push_back(c.x());
       y.push_back(c.y());
@@ -60,8 +60,16 @@ struct Stars {
 };
 
 struct Planes {
-  std::vector<double> nx, ny, nz, offset;
+  std::vector<double> rows;
   std::vector<double> quadric;  // ten each: form, linear, constant
+
+  // Number k of a row of a star.
+  double number(const StarFrame& f, std::size_t row, std::size_t k) const {
+    return rows[f.first_row + row * row_length(f.faces) + k];
+  }
+  Vec3 normal(const StarFrame& f, std::size_t row, std::size_t k) const {
+    return {number(f, row, k), number(f, row + 1, k), number(f, row + 2, k)};
+  }
 };
 
 constexpr double margin = 1e-9, absolute_margin = 1e-7, height_fraction = 1e-2;
@@ -71,7 +79,7 @@ Planes planes_by(SimdLevel level, Stars stars) {
   for (auto* values : {&stars.x, &stars.y, &stars.z, &stars.lower, &stars.upper})
     values->resize(values->size() + star_padding, junk);
   Planes p;
-  for (auto* values : {&p.nx, &p.ny, &p.nz, &p.offset}) values->assign(stars.planes + star_padding, junk);
+  p.rows.assign(stars.row_numbers + star_padding, junk);
   std::vector<double> form(6 * n), linear(3 * n), constant(n);
   make_star_planes({n,
                     stars.frame.data(),
@@ -81,13 +89,12 @@ Planes planes_by(SimdLevel level, Stars stars) {
                     margin,
                     absolute_margin,
                     height_fraction,
-                    {p.nx.data(), p.ny.data(), p.nz.data()},
-                    p.offset.data(),
+                    p.rows.data(),
                     form.data(),
                     linear.data(),
                     constant.data()},
                    level);
-  for (auto* values : {&p.nx, &p.ny, &p.nz, &p.offset}) values->resize(stars.planes);
+  p.rows.resize(stars.row_numbers);
   for (std::size_t i = 0; i < n; ++i) {
     p.quadric.insert(p.quadric.end(), &form[6 * i], &form[6 * i] + 6);
     p.quadric.insert(p.quadric.end(), &linear[3 * i], &linear[3 * i] + 3);
@@ -104,10 +111,7 @@ void expect_same_bits(const Stars& stars) {
   const Planes expected = planes_by(SimdLevel::scalar, stars);
   for (const SimdLevel level : available_simd_levels()) {
     const Planes got = planes_by(level, stars);
-    EXPECT_TRUE(same_bits(got.nx, expected.nx)) << name_of(level);
-    EXPECT_TRUE(same_bits(got.ny, expected.ny)) << name_of(level);
-    EXPECT_TRUE(same_bits(got.nz, expected.nz)) << name_of(level);
-    EXPECT_TRUE(same_bits(got.offset, expected.offset)) << name_of(level);
+    EXPECT_TRUE(same_bits(got.rows, expected.rows)) << name_of(level);
     EXPECT_TRUE(same_bits(got.quadric, expected.quadric)) << name_of(level);
   }
 }
@@ -167,11 +171,10 @@ TEST(StarPlanes, SameBitsWhateverTheNeighbours) {
   for (std::size_t i = 0; i < all.frame.size(); ++i) {
     Stars one = all;
     one.frame = {all.frame[i]};
-    one.frame[0].first_plane = 0;
-    one.planes = planes_of_star(all.frame[i].faces);
+    one.frame[0].first_row = 0;
+    one.row_numbers = static_cast<std::uint32_t>(slab_rows * row_length(all.frame[i].faces));
     const Planes alone = planes_by(available_simd_levels().back(), one);
-    const auto first = together.offset.begin() + all.frame[i].first_plane;
-    EXPECT_TRUE(std::equal(alone.offset.begin(), alone.offset.end(), first));
+    EXPECT_TRUE(std::equal(alone.rows.begin(), alone.rows.end(), together.rows.begin() + all.frame[i].first_row));
     EXPECT_TRUE(std::equal(alone.quadric.begin(), alone.quadric.end(),
                            together.quadric.begin() + static_cast<std::ptrdiff_t>(10 * i)));
   }
@@ -206,18 +209,28 @@ void expect_planes(const Stars& stars, const StarFrame& f, std::size_t k, const 
   const Face face = local_face(stars, f, k);
   const std::size_t i = f.first_corner + k;
   const double close = 1e-14 * face.condition() * (10 + face.centroid().norm());
-  const auto slack = [&](std::size_t p, const Vec3& x) {
-    return planes.nx[p] * x.x() + planes.ny[p] * x.y() + planes.nz[p] * x.z() - planes.offset[p];
-  };
+  const Vec3 n = planes.normal(f, slab_normal, k);
   for (const Vec3& x : {Vec3(0, 0, 0), Vec3(0.3, -0.2, 0.7)}) {
     const double height = face.normal().dot(x - face.centroid());
-    const std::size_t p = f.first_plane + k;
-    EXPECT_NEAR(slack(p, x), height - stars.lower[i] / f.scale - margin - absolute_margin / f.scale, close);
-    EXPECT_NEAR(slack(p + f.faces, x), stars.upper[i] / f.scale - height, close);
+    EXPECT_NEAR(n.dot(x) - planes.number(f, slab_lower, k),
+                height - stars.lower[i] / f.scale - margin - absolute_margin / f.scale, close);
+    EXPECT_NEAR(planes.number(f, slab_upper, k) - n.dot(x), stars.upper[i] / f.scale - height, close);
     if (k + 2 >= f.faces) continue;
     const Vec3 inward = face.normal().cross(face.v2 - face.v1).normalized();
     const double present = inward.dot(face.moving - face.v1);
-    EXPECT_NEAR(slack(p + 2 * f.faces, x), inward.dot(x - face.v1) - height_fraction * present, close);
+    EXPECT_NEAR(planes.normal(f, slab_inward, k).dot(x) - planes.number(f, slab_inward_offset, k),
+                inward.dot(x - face.v1) - height_fraction * present, close);
+  }
+}
+
+// Of faces from number k on.
+void expect_free(const Planes& planes, const StarFrame& f, std::size_t k) {
+  for (; k < row_length(f.faces); ++k) {
+    EXPECT_EQ(planes.normal(f, slab_normal, k), Vec3(0, 0, 0));
+    EXPECT_EQ(planes.normal(f, slab_inward, k), Vec3(0, 0, 0));
+    EXPECT_LT(planes.number(f, slab_lower, k), 0);
+    EXPECT_GT(planes.number(f, slab_upper, k), 0);
+    EXPECT_LT(planes.number(f, slab_inward_offset, k), 0);
   }
 }
 
@@ -226,6 +239,17 @@ TEST(StarPlanes, AreThoseOfTheDefinitions) {
   const Planes planes = planes_by(SimdLevel::scalar, stars);
   for (const StarFrame& f : stars.frame)
     for (std::size_t k = 0; k < f.faces; ++k) expect_planes(stars, f, k, planes);
+}
+
+TEST(StarPlanes, WhatFillsTheRowsConstrainsNothing) {
+  const Stars stars = stars_of_all_sizes(0, 6);
+  for (const SimdLevel level : available_simd_levels()) {
+    const Planes planes = planes_by(level, stars);
+    for (const StarFrame& f : stars.frame) {
+      expect_free(planes, f, f.faces);
+      for (std::size_t k = f.faces - 2; k < f.faces; ++k) EXPECT_EQ(planes.normal(f, slab_inward, k), Vec3(0, 0, 0));
+    }
+  }
 }
 
 TEST(StarPlanes, QuadricIsTheSumOfSquaredDistancesToThePlanes) {
@@ -254,10 +278,7 @@ TEST(StarPlanes, ThinFacesConstrainNothing) {
   for (std::size_t faces = 2; faces < 30; ++faces) add_random(stars, faces, 1, random);
   for (const SimdLevel level : available_simd_levels()) {
     const Planes planes = planes_by(level, stars);
-    for (std::size_t p = 0; p < stars.planes; ++p) {
-      EXPECT_EQ(Vec3(planes.nx[p], planes.ny[p], planes.nz[p]), Vec3(0, 0, 0));
-      EXPECT_LT(planes.offset[p], 0);
-    }
+    for (const StarFrame& f : stars.frame) expect_free(planes, f, 0);
     EXPECT_TRUE(std::all_of(planes.quadric.begin(), planes.quadric.end(), [](double q) { return q == 0; }));
   }
 }

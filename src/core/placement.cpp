@@ -27,15 +27,14 @@ StarFrame frame_of(const CornerTable& mesh, const EdgeStar& star, const Placemen
   }
   frame.scale = std::max((vec(b) - vec(a)).norm(), settings.min_scale);
   frame.first_corner = static_cast<std::uint32_t>(batch.corner_count);
-  frame.first_plane = batch.first_plane.back();
+  frame.first_row = static_cast<std::uint32_t>(batch.row_numbers);
   frame.faces = static_cast<std::uint32_t>(star.faces().size());
   frame.tail_faces = static_cast<std::uint32_t>(star.tail_faces());
   return frame;
 }
 
 void make_problems(const PlacementSettings& settings, PlacementBatch& batch) {
-  const std::size_t planes = batch.first_plane.back() + star_padding;
-  for (auto* values : {&batch.nx, &batch.ny, &batch.nz, &batch.offset}) make_room(*values, planes);
+  make_room(batch.rows, batch.row_numbers + star_padding);
   batch.form.resize(batch.size());
   batch.linear.resize(batch.size());
   batch.constant.resize(batch.size());
@@ -47,8 +46,7 @@ void make_problems(const PlacementSettings& settings, PlacementBatch& batch) {
                           settings.margin,
                           settings.absolute_margin,
                           settings.height_fraction,
-                          {batch.nx.data(), batch.ny.data(), batch.nz.data()},
-                          batch.offset.data(),
+                          batch.rows.data(),
                           &batch.form[0].xx,
                           batch.linear[0].data(),
                           batch.constant.data()};
@@ -86,18 +84,21 @@ void PlacementBatch::clear() {
   halfedge.clear();
   frame.clear();
   corner_count = 0;
-  first_plane.clear();
+  first_row.clear();
+  row_length.clear();
+  row_numbers = 0;
 }
 
 void gather_placement(const CornerTable& mesh, const FaceHeights& heights, const EdgeStar& star,
                       const PlacementSettings& settings, PlacementBatch& batch) {
-  if (batch.first_plane.empty()) batch.first_plane.push_back(0);
   const auto vertices = star.vertices();
   const auto faces = star.faces();
   const std::size_t first = batch.corner_count;
   batch.frame.push_back(frame_of(mesh, star, settings, batch));
   batch.halfedge.push_back(star.halfedge());
-  batch.first_plane.push_back(batch.first_plane.back() + planes_of_star(batch.frame.back().faces));
+  batch.first_row.push_back(batch.frame.back().first_row);
+  batch.row_length.push_back(static_cast<std::uint32_t>(row_length(faces.size())));
+  batch.row_numbers += slab_rows * batch.row_length.back();
   batch.corner_count += vertices.size();
   for (auto* values : {&batch.corner_x, &batch.corner_y, &batch.corner_z, &batch.lower, &batch.upper})
     make_room(*values, batch.corner_count + star_padding);
@@ -137,10 +138,9 @@ void solve_placements(const PlacementSettings& settings, PlacementBatch& batch) 
   batch.cost.resize(n);
   if (n == 0) return;
   make_problems(settings, batch);
-  if (!settings.constrained) std::fill(batch.first_plane.begin(), batch.first_plane.end(), 0);
+  if (!settings.constrained) std::fill(batch.row_length.begin(), batch.row_length.end(), 0);
   for (std::size_t i = 0; i < n; ++i) scale_problem(settings, batch, i);
-  const Qp3Batch problems{batch.scaled_form, batch.scaled_linear, batch.first_plane, batch.nx, batch.ny,
-                          batch.nz,          batch.offset};
+  const Qp3Batch problems{batch.scaled_form, batch.scaled_linear, batch.first_row, batch.row_length, batch.rows};
   solve_qp3_batch(problems, 1e-10, batch.x, batch.status, settings.simd);
   for (std::size_t i = 0; i < n; ++i) read_solution(settings, batch, i);
 }

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <tbb/cache_aligned_allocator.h>
+
 #include "core/band.h"
 #include "core/corner_table.h"
 #include "core/edge_star.h"
@@ -49,10 +51,12 @@ struct PlacementBatch {
   std::vector<double> corner_x, corner_y, corner_z, lower, upper;
   std::size_t corner_count = 0;
 
-  // The problems, which solve_placements() makes of them. Planes of problem i: [first_plane[i], first_plane[i + 1]).
-  std::vector<std::uint32_t> first_plane;
-  std::vector<double> nx, ny, nz, offset;  // planes, local frame
-  std::vector<Symmetric3> form;            // 1/2 x^T form x + linear . x + constant: squared distance, weighted
+  // The problems, which solve_placements() makes of them. The planes of problem i, local frame, are
+  // SlabRows{&rows[first_row[i]], row_length[i]}.
+  std::vector<std::uint32_t> first_row, row_length;
+  std::vector<double, tbb::cache_aligned_allocator<double>> rows;
+  std::size_t row_numbers = 0;   // that are in use
+  std::vector<Symmetric3> form;  // 1/2 x^T form x + linear . x + constant: squared distance, weighted
   std::vector<Vec3> linear;
   std::vector<double> constant;
 

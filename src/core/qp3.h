@@ -35,5 +35,6 @@ struct Symmetric3 {
 // `tolerance`, not negative, in the units of the offsets. Writes x if solved. Deterministic, no allocation,
 // thread-safe.
 QpStatus solve_qp3(const Symmetric3& G, const Vec3& g, const PlaneArrays& planes, double tolerance, Vec3& x);
+QpStatus solve_qp3(const Symmetric3& G, const Vec3& g, const SlabRows& slabs, double tolerance, Vec3& x);
 
 }  // namespace prcage

@@ -12,14 +12,20 @@ namespace {
 static_assert(sizeof(Symmetric3) == 6 * sizeof(double) && sizeof(Vec3) == 3 * sizeof(double));
 
 QpBatchArrays arrays_of(const Qp3Batch& batch, double tolerance, std::span<Vec3> x, std::span<QpStatus> status) {
-  return {batch.size(),    &batch.form[0].xx, batch.linear[0].data(), batch.first_plane.data(),
-          batch.nx.data(), batch.ny.data(),   batch.nz.data(),        batch.offset.data(),
-          tolerance,       x[0].data(),       status.data()};
+  return {batch.size(),
+          &batch.form[0].xx,
+          batch.linear[0].data(),
+          batch.first_row.data(),
+          batch.row_length.data(),
+          batch.rows.data(),
+          tolerance,
+          x[0].data(),
+          status.data()};
 }
 
 void solve_one_by_one(const Qp3Batch& batch, const QpBatchArrays& arrays, std::span<Vec3> x) {
   for (std::size_t i = 0; i < batch.size(); ++i)
-    arrays.status[i] = solve_qp3(batch.form[i], batch.linear[i], planes_of(arrays, i), arrays.tolerance, x[i]);
+    arrays.status[i] = solve_qp3(batch.form[i], batch.linear[i], slabs_of(arrays, i), arrays.tolerance, x[i]);
 }
 
 }  // namespace
@@ -27,7 +33,8 @@ void solve_one_by_one(const Qp3Batch& batch, const QpBatchArrays& arrays, std::s
 void solve_qp3_batch(const Qp3Batch& batch, double tolerance, std::span<Vec3> x, std::span<QpStatus> status,
                      SimdLevel level) {
   if (batch.size() == 0) return;
-  assert(batch.linear.size() == batch.size() && batch.first_plane.size() == batch.size() + 1);
+  assert(batch.linear.size() == batch.size() && batch.first_row.size() == batch.size() &&
+         batch.row_length.size() == batch.size());
   assert(x.size() >= batch.size() && status.size() >= batch.size());
   const QpBatchArrays arrays = arrays_of(batch, tolerance, x, status);
   switch (level) {

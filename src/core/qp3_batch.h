@@ -10,13 +10,13 @@
 
 namespace prcage {
 
-// Problem i has form[i], linear[i] and the planes [first_plane[i], first_plane[i + 1]); first_plane is one longer than
-// the others.
+// Problem i has form[i], linear[i] and the planes of SlabRows{&rows[first_row[i]], row_length[i]}.
 struct Qp3Batch {
   std::span<const Symmetric3> form;
   std::span<const Vec3> linear;
-  std::span<const std::uint32_t> first_plane;
-  std::span<const double> nx, ny, nz, offset;
+  std::span<const std::uint32_t> first_row;
+  std::span<const std::uint32_t> row_length;
+  std::span<const double> rows;
 
   std::size_t size() const { return form.size(); }
 };

@@ -2,8 +2,7 @@
 // each lane.
 //
 // Every operation acts on each lane alone and rounds as IEEE 754 says, nothing is fused or reordered: a problem has the
-// same solution, bit for bit, whichever V computes it. What only some lanes need is skipped if no lane needs it, which
-// makes the branches of the scalar solver.
+// same solution, bit for bit, whichever V computes it.
 //
 // For the sources named qp3*.cpp only. All is in an unnamed namespace, although a header, and uses plain types only:
 // an inline function compiled for AVX must never be the copy that the linker picks for everybody.
@@ -24,6 +23,15 @@ constexpr int max_steps = 100;
 // A double is a batch of one lane.
 inline double select(bool condition, double yes, double no) { return condition ? yes : no; }
 inline bool any(bool condition) { return condition; }
+
+// Whether to compute what only lanes with the condition need. A vector does not ask: too often some lane does, and a
+// branch that was foreseen wrongly costs more than the arithmetic.
+inline bool worthwhile(bool condition) { return condition; }
+template <class M>
+inline bool worthwhile(const M&) {
+  return true;
+}
+
 inline double sqrt(double x) { return __builtin_sqrt(x); }
 
 template <class V>
@@ -122,20 +130,22 @@ struct StepResult {
   Mask<V> infeasible;  // no point satisfies the active planes and the entering one
 };
 
-// The entering normal as a sum of r_j n_j and of z, orthogonal to all n_j.
-template <class V>
-inline void decompose(const ActiveSet<V>& s, V r[3], Triple<V>& z) {
+// The entering normal as a sum of r_j n_j and of z, orthogonal to all n_j. No lane has more than `most` active planes;
+// those not in `live` may compute nonsense.
+template <int most, class V>
+inline void decompose(const ActiveSet<V>& s, const Mask<V>& live, V r[3], Triple<V>& z) {
   const V zero(0.0), one(1.0);
   const Triple<V>& a = s.entering;
   const Mask<V> several = s.size > one;
   r[0] = r[1] = r[2] = zero;
   z = a;
-  if (any(s.size < V(2.0))) {
+  if constexpr (most == 0) return;
+  if (any(live & (s.size < V(2.0)))) {
     const V square = select(s.size < one, one, dot(s.n[0], s.n[0]));
     r[0] = dot(s.n[0], a) / square;
     z = a - times(r[0], s.n[0]);
   }
-  if (any(several)) {
+  if (most > 1 && worthwhile(several)) {
     // With two normals their cross product completes the basis, and the share along it is z.
     const Mask<V> all = s.size > V(2.0);
     const Triple<V> across = cross(s.n[0], s.n[1]);
@@ -152,13 +162,13 @@ inline void decompose(const ActiveSet<V>& s, V r[3], Triple<V>& z) {
 }
 
 // Appends the entering plane to the active ones of the lanes in `where`.
-template <class V>
+template <int most, class V>
 inline void append(ActiveSet<V>& s, const Mask<V>& where) {
   const Mask<V> first = where & (s.size < V(1.0));
   const Mask<V> third = where & (s.size > V(1.0));
   const Mask<V> second = where & (s.size > V(0.0)) & (s.size < V(2.0));
   const Mask<V> slot[3] = {first, second, third};
-  for (int j = 0; j < 3; ++j) {
+  for (int j = 0; j < (most < 3 ? most + 1 : 3); ++j) {
     s.n[j] = select<V>(slot[j], s.entering, s.n[j]);
     s.u[j] = select(slot[j], s.entering_multiplier, s.u[j]);
   }
@@ -181,13 +191,13 @@ inline void drop(ActiveSet<V>& s, const Mask<V>& where, const V& which) {
 }
 
 // One step of the entering plane: moves y along the boundary of the active set until the plane is reached or the
-// multiplier of an active plane vanishes.
-template <class V>
-inline StepResult<V> step(ActiveSet<V>& s) {
+// multiplier of an active plane vanishes. `most` and `live` as for decompose().
+template <int most, class V>
+[[gnu::always_inline]] inline StepResult<V> step(ActiveSet<V>& s, const Mask<V>& live) {
   const V zero(0.0), never(infinity);
   V r[3];
   Triple<V> z;
-  decompose(s, r, z);
+  decompose<most>(s, live, r, z);
   const V zz = dot(z, s.entering);
   const Mask<V> independent = zz > V(1e-12) * dot(s.entering, s.entering);
   const V full = select(independent, (zero - s.slack) / zz, never);
@@ -195,9 +205,9 @@ inline StepResult<V> step(ActiveSet<V>& s) {
   const V threshold(1e-14);
   V partial = never;
   V blocking = zero;
-  for (int j = 0; j < 3; ++j) {
+  for (int j = 0; j < most; ++j) {
     const Mask<V> falls = r[j] > threshold;
-    if (!any(falls)) continue;
+    if (!worthwhile(falls)) continue;
     const V length = select(falls, s.u[j] / r[j], never);
     const Mask<V> earlier = length < partial;
     partial = select(earlier, length, partial);
@@ -208,18 +218,17 @@ inline StepResult<V> step(ActiveSet<V>& s) {
   const Mask<V> entered = (full <= partial) & (full < never);
   const Mask<V> leaves = partial < full;
   const V t = select(full < partial, full, partial);
-  for (int j = 0; j < 3; ++j) s.u[j] = s.u[j] - t * r[j];
+  for (int j = 0; j < most; ++j) s.u[j] = s.u[j] - t * r[j];
   s.entering_multiplier = s.entering_multiplier + t;
   s.y = select<V>(independent, s.y + times(t, z), s.y);
   s.slack = select(independent, s.slack + t * zz, s.slack);
-  append(s, entered);
-  if (any(leaves)) drop(s, leaves, blocking);
+  append<most>(s, entered);
+  if (most > 0 && any(live & leaves)) drop(s, leaves, blocking);
   return {entered, t >= never};
 }
 
-inline PlaneArrays planes_of(const QpBatchArrays& batch, std::size_t i) {
-  const std::size_t first = batch.first_plane[i];
-  return {batch.nx + first, batch.ny + first, batch.nz + first, batch.offset + first, batch.first_plane[i + 1] - first};
+inline SlabRows slabs_of(const QpBatchArrays& batch, std::size_t i) {
+  return {batch.rows + batch.first_row[i], batch.row_length[i]};
 }
 
 // The plane that a point violates most, the first of several.
@@ -236,6 +245,43 @@ inline bool find_violation(const PlaneArrays& planes, const Triple<double>& x, d
     if (slack < found.slack) found = {i, slack};
   }
   return found.plane < planes.count;
+}
+
+// False if no plane is violated by more than the tolerance. Lower bounds come before upper ones, and these before the
+// half-spaces. Conditions that hold now and then, without a pattern, are marked as such: better no branch.
+inline bool find_violation(const SlabRows& slabs, const Triple<double>& x, double tolerance, Violation& found) {
+  const std::size_t n = slabs.length;
+  const double* const nx = slabs.rows;
+  const double *const ny = nx + n, *const nz = ny + n;
+  const double *const lower_bound = nx + slab_lower * n, *const upper_bound = nx + slab_upper * n;
+  Violation lower{3 * n, -tolerance}, upper = lower, side = lower;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double d = nx[i] * x.x + ny[i] * x.y + nz[i] * x.z;
+    const double above = d - lower_bound[i], below = upper_bound[i] - d;
+    if (__builtin_expect_with_probability(above < lower.slack, 1, 0.5)) lower = {i, above};
+    if (__builtin_expect_with_probability(below < upper.slack, 1, 0.5)) upper = {i, below};
+  }
+  const double* const ix = nx + slab_inward * n;
+  const double *const iy = ix + n, *const iz = iy + n, *const inward_offset = nx + slab_inward_offset * n;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double inside = ix[i] * x.x + iy[i] * x.y + iz[i] * x.z - inward_offset[i];
+    if (__builtin_expect_with_probability(inside < side.slack, 1, 0.5)) side = {i, inside};
+  }
+  found = lower;
+  if (upper.slack < found.slack) found = {n + upper.plane, upper.slack};
+  if (side.slack < found.slack) found = {2 * n + side.plane, side.slack};
+  return found.plane < 3 * n;
+}
+
+inline Triple<double> normal_of(const PlaneArrays& planes, std::size_t i) {
+  return {planes.nx[i], planes.ny[i], planes.nz[i]};
+}
+
+inline Triple<double> normal_of(const SlabRows& slabs, std::size_t i) {
+  const std::size_t n = slabs.length;
+  const double* const row = slabs.rows + (i < 2 * n ? slab_normal : slab_inward) * n + i % n;
+  const Triple<double> a{row[0], row[n], row[2 * n]};
+  return i >= n && i < 2 * n ? Triple<double>{-a.x, -a.y, -a.z} : a;
 }
 
 // Of a point that violates no plane. Numbers that overflow violate none either.

@@ -2,13 +2,16 @@
 // vector alternate:
 //
 // - A step of the active-set method treats a group of problems at once, one a lane.
-// - Before a step each problem looks for its most violated plane by itself, with the planes in the lanes: nothing is
-//   transposed or padded, and no lane works for a problem that is solved. What the lanes of a problem found is reduced
+// - Before a step each problem looks for its most violated plane by itself, with the faces in the lanes: nothing is
+//   transposed, and no lane works for a problem that is solved. What the lanes of a problem found is reduced
 //   for a vector of problems at once. The least slack and the first plane that has it do not depend on the order of the
 //   comparisons, so that the width of the vectors does not show.
 //
 // Groups are runs of neighbours: the planes are read in order, and while one group is solved those of the next arrive.
 // A problem's solution depends neither on its group nor on its place in it.
+//
+// What costs most besides the arithmetic are branches that are foreseen wrongly. So stars of the usual size take the
+// same way through a look, and the first steps, which know how many planes can be active, have code of their own.
 //
 // For the sources named qp3_<instruction set>.cpp only; see qp3_kernel.h for what must not be used here.
 #pragma once
@@ -26,17 +29,38 @@ using LaneMask = xsimd::batch_bool<double, xsimd::PRCAGE_ARCH>;
 // Two vectors hide the latency of each other's divisions.
 constexpr std::size_t group_size = 2 * Lanes::size;
 
+// Stands for a star without faces.
+alignas(64) constexpr double free_rows[slab_rows * least_row_length] = {};
+
 // A set of problems of a group, a bit each.
 using ProblemSet = unsigned;
 
-// What xsimd 8 lacks: a mask as bits, and the smallest number of each row of a square matrix, row l in lane l. There
-// are no NaNs among them.
+// What xsimd 8 lacks: a mask as bits and back, numbers from one address a lane, and the smallest number of each row of
+// a square matrix, row l in lane l. There are no NaNs among them.
 inline ProblemSet mask_bits(__m128d mask) { return static_cast<ProblemSet>(_mm_movemask_pd(mask)); }
+inline void set_mask(ProblemSet set, __m128d& mask) {
+  mask = _mm_castsi128_pd(_mm_set_epi64x(-static_cast<long long>(set >> 1 & 1), -static_cast<long long>(set & 1)));
+}
+#ifndef __AVX2__
+inline __m128d gather(const double* const from[2]) { return _mm_loadh_pd(_mm_load_sd(from[0]), from[1]); }
+#endif
 inline __m128d row_minima(const __m128d rows[2]) {
   return _mm_min_pd(_mm_unpacklo_pd(rows[0], rows[1]), _mm_unpackhi_pd(rows[0], rows[1]));
 }
 #ifdef __AVX2__
 inline ProblemSet mask_bits(__m256d mask) { return static_cast<ProblemSet>(_mm256_movemask_pd(mask)); }
+inline void set_mask(ProblemSet set, __m256d& mask) {
+  const __m256i bit = _mm256_set_epi64x(8, 4, 2, 1);
+  mask = _mm256_castsi256_pd(_mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(set), bit), bit));
+}
+#ifndef __AVX512F__
+// Faster than the instruction of that name.
+inline __m256d gather(const double* const from[4]) {
+  const __m128d low = _mm_loadh_pd(_mm_load_sd(from[0]), from[1]);
+  const __m128d high = _mm_loadh_pd(_mm_load_sd(from[2]), from[3]);
+  return _mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1);
+}
+#endif
 inline __m256d row_minima(const __m256d rows[4]) {
   const auto halves = [](__m256d a, __m256d b) {
     return _mm256_min_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31));
@@ -47,6 +71,8 @@ inline __m256d row_minima(const __m256d rows[4]) {
 #endif
 #ifdef __AVX512F__
 inline ProblemSet mask_bits(__mmask8 mask) { return mask; }
+inline void set_mask(ProblemSet set, __mmask8& mask) { mask = static_cast<__mmask8>(set); }
+inline __m512d gather(const double* const from[8]) { return _mm512_i64gather_pd(_mm512_loadu_si512(from), nullptr, 1); }
 inline __m512d row_minima(const __m512d rows[8]) {
   const auto halves = [](__m512d a, __m512d b) {
     return _mm512_min_pd(_mm512_shuffle_f64x2(a, b, 0x44), _mm512_shuffle_f64x2(a, b, 0xee));
@@ -63,6 +89,12 @@ inline __m512d row_minima(const __m512d rows[8]) {
 using Register = Lanes::register_type;
 
 inline ProblemSet bits(const LaneMask& m) { return mask_bits(static_cast<LaneMask::register_type>(m)); }
+
+inline LaneMask mask_of(ProblemSet set) {
+  LaneMask::register_type mask;
+  set_mask(set, mask);
+  return mask;
+}
 
 // First element of a set that is not empty.
 inline std::size_t first_of(ProblemSet set) { return static_cast<std::size_t>(__builtin_ctz(set)); }
@@ -92,7 +124,7 @@ struct Group {
   Row n[3][3];
   Row u[3];
   Row size;
-  Row plane[3];  // normal of the entering plane, not whitened
+  Row plane;  // number of the entering plane, see Looks
   Row entering_multiplier;
   Row slack;
 };
@@ -111,7 +143,8 @@ inline void store_factor(const Cholesky<Lanes>& factor, Group& group, std::size_
   store(factor.i22, group.factor[5], at);
 }
 
-inline ActiveSet<Lanes> load_active(const Group& group, const Cholesky<Lanes>& factor, std::size_t at) {
+// All but the entering plane itself.
+inline ActiveSet<Lanes> load_active(const Group& group, std::size_t at) {
   ActiveSet<Lanes> active;
   active.y = load3(group.y, at);
   for (std::size_t j = 0; j < 3; ++j) {
@@ -119,7 +152,6 @@ inline ActiveSet<Lanes> load_active(const Group& group, const Cholesky<Lanes>& f
     active.u[j] = load(group.u[j], at);
   }
   active.size = load(group.size, at);
-  active.entering = factor.forward(load3(group.plane, at));
   active.entering_multiplier = load(group.entering_multiplier, at);
   active.slack = load(group.slack, at);
   return active;
@@ -151,150 +183,234 @@ inline ProblemSet start(const Row form[6], const Row linear[3], Group& group) {
     active.y = origin - factor.forward(load3(linear, at));
     store_factor(factor, group, at);
     store_active(active, group, at);
+    store(zero, group.plane, at);
     store3(factor.backward(active.y), group.x, at);
   }
   return positive;
 }
 
-struct GroupResult {
-  ProblemSet entered = 0;
-  ProblemSet infeasible = 0;
-};
-
-// One step of the running problems; the others compute nonsense.
-inline GroupResult step_group(ProblemSet running, Group& group) {
-  GroupResult results;
-  for (std::size_t at = 0; at < group_size; at += Lanes::size) {
-    if ((running >> at & ((1u << Lanes::size) - 1)) == 0) continue;
-    const Cholesky<Lanes> factor = load_factor(group, at);
-    ActiveSet<Lanes> active = load_active(group, factor, at);
-    const StepResult<Lanes> result = step(active);
-    active.entering_multiplier = select(result.entered, Lanes(0.0), active.entering_multiplier);
-    store_active(active, group, at);
-    store3(factor.backward(active.y), group.x, at);
-    results.entered |= bits(result.entered) << at;
-    results.infeasible |= bits(result.infeasible) << at;
-  }
-  return results;
-}
-
-// The planes that the problems of a vector violate most. A row is a problem's: planes are dealt to its lanes in turn,
-// and what remains in a lane is the least slack, the tolerance at most, with the number of the first plane that has it.
+// The planes that the problems of a group violate most. A row is a problem's: its faces are dealt to its lanes in turn,
+// and what remains in a lane is the least slack, the tolerance at most, with the first plane that has it. Face k's
+// planes have the numbers k, upper_numbers + k, inward_numbers + k, ordered as the scalar solver visits them.
 struct Looks {
-  Register slack[Lanes::size];
-  Register plane[Lanes::size];
+  Register slack[group_size];
+  Register plane[group_size];
 };
 
-// As find_violation, a vector of planes at a time and without a branch on what is found.
-inline void look_in_lanes(const PlaneArrays& planes, const Triple<double>& point, double tolerance, Looks& looks,
-                          std::size_t row) {
-  constexpr std::size_t width = Lanes::size;
-  alignas(64) static constexpr double numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-  const Lanes x(point.x), y(point.y), z(point.z);
-  Lanes least(-tolerance), plane(0.0);
-  const auto compare = [&](std::size_t i, const Lanes& number) {
-    const Lanes slack = Lanes::load_unaligned(planes.nx + i) * x + Lanes::load_unaligned(planes.ny + i) * y +
-                        Lanes::load_unaligned(planes.nz + i) * z - Lanes::load_unaligned(planes.offset + i);
-    plane = select(slack < least, number, plane);
-    least = min(slack, least);  // the second if the first is a NaN
-  };
-  const std::size_t last = planes.count - width;
-  Lanes number = Lanes::load_aligned(numbers);
-  for (std::size_t i = 0; i < last; i += width) {
-    compare(i, number);
-    number = number + Lanes(static_cast<double>(width));
+constexpr std::uint32_t upper_numbers = 1 << 20;
+constexpr std::uint32_t inward_numbers = 2 << 20;
+
+// The least slack in each lane, and the face it belongs to.
+struct Least {
+  Lanes slack, face;
+
+  void see(const Lanes& other_slack, const Lanes& other_face) {
+    face = select(other_slack < slack, other_face, face);
+    slack = min(other_slack, slack);  // the second if the first is a NaN
   }
-  // Overlaps the vector before: planes seen twice change nothing.
-  compare(last, Lanes::load_aligned(numbers) + Lanes(static_cast<double>(last)));
-  looks.slack[row] = least;
-  looks.plane[row] = plane;
-}
+};
+
+// As find_violation, a vector of faces at a time and without a branch on what is found.
+class Look {
+ public:
+  Look(const Triple<double>& point, double tolerance)
+      : x_(point.x), y_(point.y), z_(point.z), lower_{Lanes(-tolerance), Lanes(0.0)}, upper_(lower_), inward_(lower_) {}
+
+  // The last vector may overlap the one before: faces seen twice change nothing.
+  void see(const SlabRows& slabs) {
+    constexpr std::size_t width = Lanes::size;
+    for (std::size_t i = 0; i < least_row_length; i += width) {
+      const std::size_t at = i + width < least_row_length ? i : least_row_length - width;
+      see(slabs.rows + at, slabs.length, static_cast<double>(at));
+    }
+    for (std::size_t i = least_row_length; __builtin_expect(i < slabs.length, false); i += width) {
+      const std::size_t at = i + width < slabs.length ? i : slabs.length - width;
+      see(slabs.rows + at, slabs.length, static_cast<double>(at));
+    }
+  }
+
+  void store(Looks& looks, std::size_t row) const {
+    Least all = lower_;
+    all.see(upper_.slack, upper_.face + Lanes(double{upper_numbers}));
+    all.see(inward_.slack, inward_.face + Lanes(double{inward_numbers}));
+    looks.slack[row] = all.slack;
+    looks.plane[row] = all.face;
+  }
+
+ private:
+  // The faces from number k on; `row` points to them in the first row.
+  void see(const double* row, std::size_t length, double k) {
+    alignas(64) static constexpr double numbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    static_assert(slab_lower == 3 && slab_upper == 4 && slab_inward == 5 && slab_inward_offset == 8);
+    const double* const middle = row + 3 * length;
+    const double* const end = middle + 3 * length;
+    const Lanes face = Lanes::load_aligned(numbers) + Lanes(k);
+    const Lanes d = load(row) * x_ + load(row + length) * y_ + load(row + 2 * length) * z_;
+    const Lanes inward = load(middle + 2 * length) * x_ + load(end) * y_ + load(end + length) * z_;
+    lower_.see(d - load(middle), face);
+    upper_.see(load(middle + length) - d, face);
+    inward_.see(inward - load(end + 2 * length), face);
+  }
+
+  static Lanes load(const double* from) { return Lanes::load_unaligned(from); }
+
+  Lanes x_, y_, z_;
+  Least lower_, upper_, inward_;
+};
 
 // Solves one group after the other.
 class GroupSolver {
  public:
-  explicit GroupSolver(const QpBatchArrays& batch) : batch_(batch) {}
+  explicit GroupSolver(const QpBatchArrays& batch) : batch_(batch), ahead_(batch.rows) {}
 
   // Up to group_size problems.
   void solve(std::size_t begin, std::size_t count) {
     begin_ = begin;
     const ProblemSet all = (1u << count) - 1;
-    const ProblemSet positive = start_group(count);
-    finish(all & ~positive, QpStatus::not_converged);
-    ProblemSet running = all & positive;
-    ProblemSet looking = running;
-    const double* const arrays[] = {batch_.nx, batch_.ny, batch_.nz, batch_.offset};
+    fetch_next(begin + group_size);
+    running_ = looking_ = all & start_group(count);
     for (int steps = 0;; ++steps) {
-      ahead_ = steps < 4 ? arrays[steps] : nullptr;
-      running &= ~look(looking);
-      if (running == 0) return;
-      if (steps == max_steps) break;
-      const GroupResult result = step_group(running, group_);
-      finish(running & result.infeasible, QpStatus::infeasible);
-      running &= ~result.infeasible;
-      looking = running & result.entered;
+      const ProblemSet done = look();
+      solved_ |= done;
+      running_ &= ~done;
+      if (running_ == 0 || steps == max_steps) break;
+      // A step adds an active plane at most.
+      if (steps == 0)
+        step_group<0>();
+      else if (steps == 1)
+        step_group<1>();
+      else
+        step_group<3>();
     }
-    finish(running, QpStatus::not_converged);
+    finish(count);
   }
 
  private:
-  // The lanes of a group that is not full repeat its first problem.
+  static constexpr ProblemSet one_vector = (1u << Lanes::size) - 1;
+
+  // The lanes of a group that is not full repeat its first problem. Returns the problems whose forms are positive
+  // definite.
   ProblemSet start_group(std::size_t count) {
     Row form[6], linear[3];
     for (std::size_t l = 0; l < group_size; ++l) {
       const std::size_t i = begin_ + (l < count ? l : 0);
       for (std::size_t k = 0; k < 6; ++k) form[k].of[l] = batch_.form[6 * i + k];
       for (std::size_t k = 0; k < 3; ++k) linear[k].of[l] = batch_.linear[3 * i + k];
+      slabs_[l] = batch_.row_length[i] != 0 ? slabs_of(batch_, i) : SlabRows{free_rows, least_row_length};
     }
+    solved_ = infeasible_ = 0;
     return start(form, linear, group_);
   }
 
-  // Finds the plane to enter for each problem of `looking`. Finishes and returns those that violate none.
-  ProblemSet look(ProblemSet looking) {
-    ProblemSet done = looking;
+  // Finds the plane to enter for each problem that looks. Returns those that violate none.
+  ProblemSet look() {
+    for (ProblemSet rest = looking_; rest != 0; rest &= rest - 1) look_at(first_of(rest));
+    ProblemSet entering = 0;
     for (std::size_t at = 0; at < group_size; at += Lanes::size) {
-      const ProblemSet part = looking & (((1u << Lanes::size) - 1) << at);
-      for (ProblemSet rest = part; rest != 0; rest &= rest - 1) look_at(first_of(rest), at);
-      if (part != 0) done &= ~choose_planes(part, at);
+      const ProblemSet part = looking_ >> at & one_vector;
+      if (part != 0) entering |= choose_planes(part, at) << at;
     }
-    for (ProblemSet rest = done; rest != 0; rest &= rest - 1) finish_at(first_of(rest));
-    return done;
+    return looking_ & ~entering;
   }
 
-  void look_at(std::size_t l, std::size_t at) {
-    const std::size_t i = begin_ + l;
-    const PlaneArrays planes = planes_of(batch_, i);
-    // Of the next group's problem, one of the four arrays at each of the first looks: so the memory is busy all the
-    // time. Most problems have about 32 planes.
-    if (ahead_ != nullptr && i + group_size < batch_.count)
-      for (std::size_t k = 0; k < 32; k += 8) __builtin_prefetch(ahead_ + batch_.first_plane[i + group_size] + k);
+  void look_at(std::size_t l) {
+    fetch_ahead();
     const Triple<double> x{group_.x[0].of[l], group_.x[1].of[l], group_.x[2].of[l]};
-    if (planes.count >= Lanes::size) return look_in_lanes(planes, x, batch_.tolerance, looks_, l - at);
-    Violation worst;
-    if (!find_violation(planes, x, batch_.tolerance, worst)) worst = {0, -batch_.tolerance};
-    looks_.slack[l - at] = Lanes(worst.slack);
-    looks_.plane[l - at] = Lanes(static_cast<double>(worst.plane));
+    Look look(x, batch_.tolerance);
+    look.see(slabs_[l]);
+    look.store(looks_, l);
   }
 
-  // Writes the planes to enter of the problems of `looking`, all of one vector. Returns the problems that have one.
+  // The planes of the next groups, a few lines at each look: so the memory is busy all the time and never too busy.
+  void fetch_ahead() {
+    constexpr std::size_t line = 64 / sizeof(double);
+    constexpr std::size_t lines = 5;
+    for (std::size_t k = 0; k < lines; ++k) __builtin_prefetch(ahead_ + k * line);
+    ahead_ += ahead_ < fetched_ ? lines * line : 0;
+  }
+
+  // From the end of this group to that of the next.
+  void fetch_next(std::size_t next) {
+    ahead_ = ahead_ < rows_end(next) ? rows_end(next) : ahead_;
+    fetched_ = rows_end(next + group_size);
+  }
+
+  // Where the rows of the problems before number i end.
+  const double* rows_end(std::size_t i) const {
+    const SlabRows last = slabs_of(batch_, (i < batch_.count ? i : batch_.count) - 1);
+    return last.rows + slab_rows * last.length;
+  }
+
+  // Writes the planes to enter of the problems of `looking`, in the vector at `at`. Returns the problems that have one.
   ProblemSet choose_planes(ProblemSet looking, std::size_t at) {
-    const Lanes slack = row_minima(looks_.slack);
-    Row least, plane;
+    const Lanes slack = row_minima(looks_.slack + at);
+    Row least;
     store(slack, least, 0);
     Register number[Lanes::size];
     for (std::size_t l = 0; l < Lanes::size; ++l)
-      number[l] = select(Lanes(looks_.slack[l]) == Lanes(least.of[l]), Lanes(looks_.plane[l]), Lanes(infinity));
-    store(row_minima(number), plane, 0);
-    const ProblemSet entering = looking & (bits(slack < Lanes(-batch_.tolerance)) << at);
-    for (std::size_t l = at; l < at + Lanes::size; ++l) {
-      if ((entering >> l & 1) == 0) continue;
-      const std::size_t worst = batch_.first_plane[begin_ + l] + static_cast<std::uint32_t>(plane.of[l - at]);
-      group_.plane[0].of[l] = batch_.nx[worst];
-      group_.plane[1].of[l] = batch_.ny[worst];
-      group_.plane[2].of[l] = batch_.nz[worst];
-      group_.slack.of[l] = least.of[l - at];
-    }
+      number[l] =
+          select(Lanes(looks_.slack[at + l]) == Lanes(least.of[l]), Lanes(looks_.plane[at + l]), Lanes(infinity));
+    const Lanes plane = row_minima(number);
+    const ProblemSet entering = looking & bits(slack < Lanes(-batch_.tolerance));
+    // The others are done, or go on with the plane of their last step.
+    const LaneMask chosen = mask_of(entering);
+    store(select(chosen, plane, load(group_.plane, at)), group_.plane, at);
+    store(select(chosen, slack, load(group_.slack, at)), group_.slack, at);
     return entering;
+  }
+
+  // One step of the running problems, which have up to `most` active planes.
+  template <int most>
+  void step_group() {
+    ProblemSet entered = 0, infeasible = 0;
+    for (std::size_t at = 0; at < group_size; at += Lanes::size) {
+      const ProblemSet part = running_ >> at & one_vector;
+      if (part == 0) continue;
+      const StepResult<Lanes> result = step_vector<most>(mask_of(part), at);
+      entered |= bits(result.entered) << at;
+      infeasible |= bits(result.infeasible) << at;
+    }
+    infeasible_ |= running_ & infeasible;
+    running_ &= ~infeasible;
+    looking_ = running_ & entered;
+  }
+
+  // The lanes that do not run compute nonsense, but keep their x.
+  template <int most>
+  StepResult<Lanes> step_vector(const LaneMask& running, std::size_t at) {
+    const Cholesky<Lanes> factor = load_factor(group_, at);
+    ActiveSet<Lanes> active = load_active(group_, at);
+    active.entering = factor.forward(entering_normals(at));
+    const StepResult<Lanes> result = step<most>(active, running);
+    active.entering_multiplier = select(result.entered, Lanes(0.0), active.entering_multiplier);
+    store_active(active, group_, at);
+    store3(select<Lanes>(running, factor.backward(active.y), load3(group_.x, at)), group_.x, at);
+    return result;
+  }
+
+  Triple<Lanes> entering_normals(std::size_t at) const {
+    const double* x[Lanes::size];
+    const double* y[Lanes::size];
+    const double* z[Lanes::size];
+    for (std::size_t l = 0; l < Lanes::size; ++l) {
+      // Without a branch: nobody foresees which kind of plane enters.
+      const auto number = static_cast<std::uint32_t>(static_cast<std::int32_t>(group_.plane.of[at + l]));
+      const std::size_t inward = number / inward_numbers;
+      const SlabRows& slabs = slabs_[at + l];
+      x[l] = slabs.rows + number % upper_numbers + inward * slab_inward * slabs.length;
+      y[l] = x[l] + slabs.length;
+      z[l] = y[l] + slabs.length;
+    }
+    const Lanes plane = load(group_.plane, at);
+    const LaneMask turned = (plane >= Lanes(double{upper_numbers})) & (plane < Lanes(double{inward_numbers}));
+    const Lanes sign = select(turned, Lanes(-0.0), Lanes(0.0));
+    return {Lanes(gather(x)) ^ sign, Lanes(gather(y)) ^ sign, Lanes(gather(z)) ^ sign};
+  }
+
+  void finish(std::size_t count) {
+    for (std::size_t l = 0; l < count; ++l)
+      batch_.status[begin_ + l] = (infeasible_ >> l & 1) != 0 ? QpStatus::infeasible : QpStatus::not_converged;
+    for (ProblemSet rest = solved_; rest != 0; rest &= rest - 1) finish_at(first_of(rest));
   }
 
   void finish_at(std::size_t l) {
@@ -307,13 +423,12 @@ class GroupSolver {
     batch_.x[3 * i + 2] = x.z;
   }
 
-  void finish(ProblemSet done, QpStatus status) {
-    for (ProblemSet rest = done; rest != 0; rest &= rest - 1) batch_.status[begin_ + first_of(rest)] = status;
-  }
-
   const QpBatchArrays& batch_;
   std::size_t begin_ = 0;
-  const double* ahead_ = nullptr;  // the array to fetch for the next group
+  ProblemSet running_ = 0, looking_ = 0, solved_ = 0, infeasible_ = 0;
+  const double* ahead_;              // what to fetch next
+  const double* fetched_ = nullptr;  // where to stop
+  SlabRows slabs_[group_size];
   Group group_{};
   Looks looks_{};
 };

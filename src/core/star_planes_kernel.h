@@ -19,14 +19,14 @@ inline Triple<V> load3(const double* const from[3], std::size_t i) {
   return {Access<V>::load(from[0] + i), Access<V>::load(from[1] + i), Access<V>::load(from[2] + i)};
 }
 
-// Faces of a star in the local frame of its edge. All zero but the offsets for those without a reliable normal, whose
-// planes 0 . x >= -1 hold everywhere.
+// Faces of a star in the local frame of its edge. All zero but the bounds for those without a reliable normal, whose
+// planes 0 . x >= -1 hold everywhere; so are the last ones, which die, but for the slab.
 template <class V>
 struct LocalFaces {
   Triple<V> normal;
   V height;  // normal . centroid
   V area;
-  V lower, upper;    // offsets of normal . x >= lower, -normal . x >= upper
+  V lower, upper;    // lower <= normal . x <= upper
   Triple<V> inward;  // from the edge of the link, in the plane of the face
   V inward_offset;   // of the bound of the height over that edge
 };
@@ -61,33 +61,34 @@ class Star {
     const V outer_length = sqrt(outer_square);
     const V longest = larger(larger(dot(to_v1, to_v1), dot(to_v2, to_v2)), outer_square);
     const Mask<V> reliable = (size > V(1e-9) * longest) & (number < V(static_cast<double>(frame_.faces)));
+    const Mask<V> survives = reliable & (number < V(static_cast<double>(frame_.faces) - 2));
     const Triple<V> none{zero, zero, zero};
 
     // One division for the two unit vectors.
     const V reciprocal = one / (size * outer_length);
     LocalFaces<V> faces;
     faces.normal = select<V>(reliable, times(outer_length * reciprocal, doubled), none);
-    faces.inward = select<V>(reliable, times(reciprocal, cross(doubled, outer)), none);
+    faces.inward = select<V>(survives, times(reciprocal, cross(doubled, outer)), none);
     faces.area = select(reliable, V(0.5) * size, zero);
     faces.height = select(reliable, dot(faces.normal, moving + v1 + v2) * V(1.0 / 3), zero);
     const V outer_height = size * size * reciprocal;
-    faces.inward_offset = select(reliable, dot(faces.inward, v1) + V(arrays_.height_fraction) * outer_height, free);
+    faces.inward_offset = select(survives, dot(faces.inward, v1) + V(arrays_.height_fraction) * outer_height, free);
     const V lower = faces.height + Access<V>::load(arrays_.lower + i) * inverse_ + margin_;
     const V upper = faces.height + Access<V>::load(arrays_.upper + i) * inverse_;
     faces.lower = select(reliable, lower, free);
-    faces.upper = select(reliable, zero - upper, free);
+    faces.upper = select(reliable, upper, one);
     return faces;
   }
 
   // What lies beyond the last face is stored, too: see make_star().
   void store_planes(std::size_t k, const LocalFaces<V>& faces) const {
-    const V zero(0.0);
-    const Triple<V> down{zero - faces.normal.x, zero - faces.normal.y, zero - faces.normal.z};
-    const std::size_t n = frame_.faces;
-    const std::size_t at = frame_.first_plane + k;
-    store_plane(at, faces.normal, faces.lower);
-    store_plane(at + n, down, faces.upper);
-    store_plane(at + 2 * n, faces.inward, faces.inward_offset);
+    const std::size_t length = row_length(frame_.faces);
+    double* const to = arrays_.rows + frame_.first_row + k;
+    store3(faces.normal, to + slab_normal * length, length);
+    Access<V>::store(faces.lower, to + slab_lower * length);
+    Access<V>::store(faces.upper, to + slab_upper * length);
+    store3(faces.inward, to + slab_inward * length, length);
+    Access<V>::store(faces.inward_offset, to + slab_inward_offset * length);
   }
 
  private:
@@ -95,11 +96,10 @@ class Star {
 
   Triple<V> local(const Triple<V>& p) const { return times(inverse_, p - origin_); }
 
-  void store_plane(std::size_t at, const Triple<V>& n, const V& offset) const {
-    Access<V>::store(n.x, arrays_.normal[0] + at);
-    Access<V>::store(n.y, arrays_.normal[1] + at);
-    Access<V>::store(n.z, arrays_.normal[2] + at);
-    Access<V>::store(offset, arrays_.offset + at);
+  static void store3(const Triple<V>& v, double* to, std::size_t length) {
+    Access<V>::store(v.x, to);
+    Access<V>::store(v.y, to + length);
+    Access<V>::store(v.z, to + 2 * length);
   }
 
   const StarArrays& arrays_;
@@ -143,22 +143,24 @@ inline void store_quadric(const double partial[quadric_size][partial_sums], cons
   arrays.constant[i] = sum[9];
 }
 
-// Vectors are stored whole, from the last to the first: what one writes beyond the last face of its block of planes is
-// overwritten by the first vector of the next block, or of the next star.
+// Rows are filled up: the faces beyond the last one constrain nothing, and add nothing. Vectors are stored whole, from
+// the last to the first: what one writes beyond its row is overwritten by the first vector of the next row, or of the
+// next star.
 template <class V>
 inline void make_star(const StarArrays& arrays, std::size_t i) {
   constexpr std::size_t width = Access<V>::width;
   const StarFrame& frame = arrays.frame[i];
   const Star<V> star(arrays, frame);
   alignas(64) double partial[quadric_size][partial_sums];
-  const std::size_t rounds = (frame.faces + partial_sums - 1) / partial_sums;
+  const std::size_t length = row_length(frame.faces);
+  const std::size_t rounds = (length + partial_sums - 1) / partial_sums;
   for (std::size_t part = partial_sums; part != 0;) {
     part -= width;
     V sum[quadric_size];
     for (V& s : sum) s = V(0.0);
     for (std::size_t round = rounds; round-- != 0;) {
       const std::size_t k = round * partial_sums + part;
-      if (k >= frame.faces) continue;
+      if (k >= length) continue;
       const LocalFaces<V> faces = star.faces_from(k);
       star.store_planes(k, faces);
       add_quadric(faces, sum);

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/qp3_problem.h"
+
 namespace prcage {
 
 // The local frame of an edge, and where its star lies in the arrays. Faces are in the order of EdgeStar: face k of the
@@ -15,13 +17,13 @@ struct StarFrame {
   double tail[3];    // global
   double head[3];
   std::uint32_t first_corner;
-  std::uint32_t first_plane;
+  std::uint32_t first_row;   // where its rows begin
   std::uint32_t faces;       // the last two die with the edge
   std::uint32_t tail_faces;  // the first ones; the others are at the head
 };
 
-// The kernels load and store whole vectors: so many numbers beyond the corners and the planes must be there. What is
-// behind the planes is overwritten.
+// The kernels load and store whole vectors: so many numbers beyond the corners and the rows must be there. What is
+// behind the rows is overwritten.
 constexpr std::size_t star_padding = 16;
 
 struct StarArrays {
@@ -34,16 +36,13 @@ struct StarArrays {
   double absolute_margin;  // the same, global
   double height_fraction;  // least height over its outer edge that a face keeps
 
-  // Planes of a star with n faces, local frame: n lower bounds, n upper ones, and the orientations of the n - 2 faces
-  // that survive. Faces too thin to have a reliable normal have planes that no point violates.
-  double* normal[3];
-  double* offset;
+  // The SlabRows of every star, local frame, row_length(faces) long: the bounds of its faces, and the orientations of
+  // those that survive. Faces too thin to have a reliable normal have planes that no point violates.
+  double* rows;
   // Sum over the star of area times squared distance to the plane: 1/2 x^T form x + linear . x + constant.
   double* form;      // six each: xx, xy, xz, yy, yz, zz
   double* linear;    // three each
   double* constant;  // one each
 };
-
-constexpr std::uint32_t planes_of_star(std::uint32_t faces) { return 3 * faces - 2; }
 
 }  // namespace prcage
