@@ -71,9 +71,9 @@ AddedOption add_degrees(CLI::App& app, const std::string& name, double& value, d
   return add_parsed(app, name, parse, "DEGREES", help);
 }
 
-AddedOption add_parsed(CLI::App& app, const std::string& name, std::function<void(const std::string&)> parse,
+AddedOption add_parsed(CLI::App& app, const std::string& name, const std::function<void(const std::string&)>& parse,
                        const std::string& kind, const std::string& help) {
-  return AddedOption(app.add_option_function<std::string>(name, std::move(parse), help)->type_name(kind));
+  return AddedOption(app.add_option_function<std::string>(name, parse, help)->type_name(kind));
 }
 
 std::vector<std::string> split_at_commas(const std::string& text) {

@@ -56,7 +56,7 @@ AddedOption add_ratio(CLI::App& app, const std::string& name, double& value, dou
 AddedOption add_degrees(CLI::App& app, const std::string& name, double& value, double most, const std::string& help);
 
 // `parse` takes the text, and refuses it if it is wrong.
-AddedOption add_parsed(CLI::App& app, const std::string& name, std::function<void(const std::string&)> parse,
+AddedOption add_parsed(CLI::App& app, const std::string& name, const std::function<void(const std::string&)>& parse,
                        const std::string& kind, const std::string& help);
 
 template <class Value>

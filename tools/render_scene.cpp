@@ -1,7 +1,7 @@
 #include "tools/render_scene.h"
 
 #include "parallel/closest_face.h"
-#include "parallel/intersections.h"
+#include "parallel/surface_tree.h"
 #include "tools/scale_bar.h"
 
 namespace prcage::raycast {
@@ -103,13 +103,20 @@ void Body::build_scene(RTCDevice device) {
   rtcCommitScene(scene_.get());
 }
 
+struct DistanceColors::Surface {
+  TreeDevice device;
+  SurfaceTree tree{device};
+};
+
 DistanceColors::DistanceColors(const Mesh& input, const Placement& place, double largest)
-    : place_(place), largest_(largest), tree_(device_) {
-  tree_.build(unit_frame(input.positions), input.positions, input.triangles);
+    : place_(place), largest_(largest), surface_(std::make_unique<Surface>()) {
+  surface_->tree.build(unit_frame(input.positions), input.positions, input.triangles);
 }
 
+DistanceColors::~DistanceColors() = default;
+
 Vec3f DistanceColors::operator()(const Vec3f& point) const {
-  const ClosestFace closest(tree_);
+  const ClosestFace closest(surface_->tree);
   const double distance = closest.nearest(place_.inverse(point)).distance;
   return linear_color(scale_color(largest_ > 0 ? distance / largest_ : 0));
 }

@@ -12,7 +12,6 @@
 
 #include "core/prcage.h"
 #include "core/vec3.h"
-#include "parallel/surface_tree.h"
 #include "tools/render_math.h"
 
 namespace prcage::raycast {
@@ -77,14 +76,16 @@ class DistanceColors {
  public:
   // `largest`, where the scale ends, is in the unit of the input.
   DistanceColors(const Mesh& input, const Placement& place, double largest);
+  ~DistanceColors();
 
   Vec3f operator()(const Vec3f& point) const;
 
  private:
+  struct Surface;  // the input, to be asked for distances
+
   Placement place_;
   double largest_;
-  TreeDevice device_;
-  SurfaceTree tree_;
+  std::unique_ptr<Surface> surface_;
 };
 
 }  // namespace prcage::raycast
