@@ -23,6 +23,7 @@
 #include "io/mesh_file.h"
 #include "program.h"
 #include "tools/cli_files.h"
+#include "tools/cli_option_kinds.h"
 #include "tools/cli_options.h"
 #include "tools/exit_codes.h"
 #include "tools/report_measures.h"

@@ -627,6 +627,48 @@ TEST(MakeCageCancelSlow, AtAnyTimeGivesAValidCage) {
   EXPECT_GT(cancelled, 0);
 }
 
+// Ends runs at their reports, every `step`-th, which come before each round of collapses and each stage. While the last
+// step is divided the cage has more faces again than it had, and must not be left with them.
+void expect_budget_kept_once_reached(const Options& options, int step) {
+  const Mesh input = shape("bumpy", 200);
+  const Result complete = make_cage(input, options);
+  double tau = std::numeric_limits<double>::infinity();  // that the budget was first reached with
+  int before = 0, after = 0;
+  for (int n = step;; n += step) {
+    SCOPED_TRACE(n);
+    Control control;
+    control.cancel_at_report(n);
+    const Result r = make_cage(input, options, &control);
+    ASSERT_TRUE(r.certificate.valid()) << r.message;
+    const bool reached = r.cage.triangles.size() <= options.face_budget;
+    EXPECT_EQ(r.status, reached ? Status::ok : Status::cancelled);
+    EXPECT_TRUE(reached || after == 0);
+    if (!control.cancelled()) {
+      EXPECT_TRUE(same(r.cage, complete.cage));
+      break;
+    }
+    (reached ? after : before) += 1;
+    if (!reached) continue;
+    expect_sound(input, options, r);
+    if (after == 1) tau = r.statistics.tau;
+    EXPECT_LE(r.statistics.tau, tau);
+    EXPECT_GE(r.statistics.tau, complete.statistics.tau);
+    if (options.bound == Bound::both) {
+      EXPECT_LE(sampled_distance(input, r.cage, 1), r.statistics.tau) << "all vertices are samples";
+    }
+  }
+  EXPECT_LT(complete.statistics.tau, tau) << "the whole of the last step was not needed";
+  EXPECT_GT(before * step, 10);
+  EXPECT_GT(after * step, 10);
+}
+
+TEST(MakeCageCancel, AtAnyReportKeepsTheBudgetOnceItWasReached) {
+  Options options = options_for(80, Quality::fast);
+  expect_budget_kept_once_reached(options, 8);  // samples of the input take most of the time
+  options.bound = Bound::cage;
+  expect_budget_kept_once_reached(options, 1);
+}
+
 TEST(MakeCageProgressSlow, RisesFromZeroToOneAndFacesFall) {
   const Mesh input = shape("bumpy", 2500);
   Control control;

@@ -6,6 +6,10 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "core/prcage.h"
+#include "tools/wrap/alpha_wrap.h"
 
 namespace prcage {
 namespace {
@@ -129,6 +133,19 @@ std::string usage_message(const CLI::App& app, const CLI::App& command, const CL
   return error.what();
 }
 
+// ------------------------------------------------------------------------------------------------ version
+
+constexpr const char* licence_text = "Licence: Apache-2.0. Nothing that it links requires the GPL. Libraries:\n";
+constexpr const char* licence_with_wrap_text =
+    "Licence: Apache-2.0; GPL-3.0-or-later as a whole, because of the alpha wrap that is built in. Libraries:\n"
+    "  CGAL Alpha_wrap_3 and what it uses of CGAL (GPL-3.0-or-later),\n";
+constexpr const char* libraries_text =
+    "  CGAL kernel (LGPL-3.0-or-later), GMP and MPFR (LGPL-3.0-or-later), Embree (Apache-2.0), oneTBB (Apache-2.0),\n"
+    "  OpenVDB (MPL-2.0), Eigen (MPL-2.0), Boost (BSL-1.0), xsimd (BSD-3-Clause), {fmt} (MIT), CLI11 (BSD-3-Clause),\n"
+    "  JSON for Modern C++ (MIT), xxHash (BSD-2-Clause), SQLite (public domain), zlib (Zlib), libpng (libpng-2.0),\n"
+    "  meshoptimizer (MIT), stb (MIT); in the page of a report: three.js (MIT), Tabulator (MIT), Observable Plot and "
+    "D3 (ISC)";
+
 }  // namespace
 
 void set_help(CLI::App& app, std::vector<std::string> usages, const std::string& footer) {
@@ -140,6 +157,11 @@ std::string exit_codes_help(std::span<const ExitCode> codes) {
   std::string text = "Exit codes:";
   for (const ExitCode code : codes) text += fmt::format("\n  {:<4} {}", static_cast<int>(code), meaning(code));
   return text;
+}
+
+std::string version_text() {
+  return fmt::format("prcage {}\n{}{}", version(), has_alpha_wrap() ? licence_with_wrap_text : licence_text,
+                     libraries_text);
 }
 
 std::string unknown_command(const CLI::App& app, const std::string& name) {

@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "tools/exit_codes.h"
+
+namespace CLI {
+class App;
+class Error;
+}  // namespace CLI
 
 namespace prcage {
 
@@ -16,6 +19,9 @@ void set_help(CLI::App& app, std::vector<std::string> usages, const std::string&
 
 // The table of some exit codes and their meanings.
 std::string exit_codes_help(std::span<const ExitCode> codes);
+
+// What is printed for --version: the licences depend on what is built in.
+std::string version_text();
 
 // Says that there is no command of this name, and which there are.
 std::string unknown_command(const CLI::App& app, const std::string& name);

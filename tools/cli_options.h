@@ -151,8 +151,4 @@ struct CommandLine {
 
 CommandLine parse_command_line(int argc, const char* const* argv);
 
-// Positive finite number: a decimal ("0.025", "2.5e-2") or a fraction ("1/40"), the nearest double to it. False if
-// `text` is anything else.
-bool parse_ratio(const std::string& text, double& value);
-
 }  // namespace prcage

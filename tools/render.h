@@ -3,15 +3,12 @@
 // Offline and of fixed style. The picture of a given input, cage and options is the same for any number of threads.
 #pragma once
 
-#include <array>
 #include <string>
 
 #include "core/prcage.h"
+#include "tools/picture.h"
 
 namespace prcage {
-
-// A colour as it is on the screen (sRGB), 0..1.
-using Color = std::array<double, 3>;
 
 struct RenderOptions {
   // Of the whole picture, in pixels, 16 to 16384.

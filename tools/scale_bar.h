@@ -1,23 +1,9 @@
 // The colours that stand for distances in a picture, and the bar that says which is which.
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
-
-#include "core/prcage.h"
-#include "tools/render.h"
+#include "tools/picture.h"
 
 namespace prcage {
-
-struct Picture {
-  int width, height;
-  std::vector<std::uint8_t> rgb;
-
-  std::uint8_t* pixel(int x, int y) {
-    return &rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))];
-  }
-};
 
 // From dark blue at 0 to yellow at 1, through green: the scale viridis, as in the page of a report. Lightness rises
 // evenly, so that it can be read in grey and by the colour-blind.

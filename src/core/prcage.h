@@ -287,6 +287,9 @@ class Control {
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
 
+  // Cancels at the n-th report of the run from now on. Unlike at a moment, what is left of it is always the same.
+  void cancel_at_report(int n) noexcept { reports_left_.store(n, std::memory_order_relaxed); }
+
   void set_deadline(Clock::time_point deadline) noexcept { deadline_.store(deadline, std::memory_order_relaxed); }
   bool past_deadline() const noexcept { return Clock::now() >= deadline_.load(std::memory_order_relaxed); }
   bool stopped() const noexcept { return cancelled() || past_deadline(); }
@@ -304,6 +307,8 @@ class Control {
     faces_.store(faces, std::memory_order_relaxed);
     progress = (level_.load(std::memory_order_relaxed) - 1 + progress) / levels_;
     if (progress > progress_.load(std::memory_order_relaxed)) progress_.store(progress, std::memory_order_relaxed);
+    if (reports_left_.load(std::memory_order_relaxed) > 0 && reports_left_.fetch_sub(1, std::memory_order_relaxed) == 1)
+      cancel();
   }
   void begin_level(int level, int levels) noexcept {
     levels_ = levels;
@@ -312,6 +317,7 @@ class Control {
 
  private:
   std::atomic<bool> cancelled_{false};
+  std::atomic<int> reports_left_{0};  // 0: as many as there are
   std::atomic<Clock::time_point> deadline_{Clock::time_point::max()};
   int levels_ = 1;  // touched by the run only
   std::atomic<int> level_{1};

@@ -6,15 +6,13 @@
 // boxes, and Embree reports, and leaves to be tested, far fewer pairs.
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <xsimd/xsimd.hpp>
 
 #include "parallel/box_tree.h"
+#include "parallel/parallel_for.h"
 
 namespace prcage {
 
@@ -154,11 +152,11 @@ template <class Visit>
 void self_join(const BoxRuns& set, const Visit& visit) {
   const auto ordered = [&visit](std::uint32_t i, std::uint32_t j) { visit(std::min(i, j), std::max(i, j)); };
   self_join(set.tree(), [&](std::uint32_t r, std::uint32_t s) { set.join_run(r, set, s, ordered); });
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, set.runs(), 64), [&](const auto& range) {
-    for (std::uint32_t r = range.begin(); r < range.end(); ++r)
-      set.join_run(r, set, r, [&visit](std::uint32_t i, std::uint32_t j) {
-        if (i < j) visit(i, j);
-      });
+  parallel_each(set.runs(), 64, [&](std::size_t run) {
+    const auto r = static_cast<std::uint32_t>(run);
+    set.join_run(r, set, r, [&visit](std::uint32_t i, std::uint32_t j) {
+      if (i < j) visit(i, j);
+    });
   });
 }
 

@@ -1,6 +1,7 @@
 #include "parallel/distance_band.h"
 
-#include <openvdb/openvdb.h>
+#include <openvdb/tree/Tree.h>
+#include <openvdb/tree/ValueAccessor.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
 
@@ -35,7 +36,7 @@ std::size_t slot(const openvdb::Coord& voxel) {
   return (mix ^ (mix >> 15)) % recent_slots;
 }
 
-using Tree = openvdb::Int32Tree;
+using Tree = openvdb::tree::Tree4<std::int32_t, 5, 4, 3>::Type;
 using Accessor = openvdb::tree::ValueAccessor<const Tree, false>;  // not registered with the tree
 
 struct Found {

@@ -1,9 +1,6 @@
 // The thin layer over TBB that the stages use: ranges in chunks, and lists gathered from chunks in index order, so that
-// no result depends on which thread did what.
+// no result depends on which thread did what. TBB's own headers, which take a second to compile, stay out of it.
 #pragma once
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -14,12 +11,15 @@ namespace prcage {
 
 inline constexpr std::size_t default_grain = 1024;
 
+// call(body, begin, end) on disjoint chunks of [0, n).
+using ChunkCall = void (*)(const void* body, std::size_t begin, std::size_t end);
+void run_chunks(std::size_t n, std::size_t grain, const void* body, ChunkCall call);
+
 // body(begin, end) on disjoint chunks of [0, n).
 template <class Body>
 void parallel_chunks(std::size_t n, std::size_t grain, const Body& body) {
-  if (n == 0) return;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                    [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
+  run_chunks(n, grain, &body,
+             [](const void* any, std::size_t begin, std::size_t end) { (*static_cast<const Body*>(any))(begin, end); });
 }
 
 // body(i) for i in [0, n).
