@@ -63,7 +63,7 @@ void expect_cycles_follow_the_schedule(const Result& r, const Options& options) 
   while (whole < cycles.size() && whole < steps.size() && cycles[whole].tau == steps[whole]) ++whole;
   if (whole < cycles.size()) {
     EXPECT_TRUE(finds_thickness(options));
-    EXPECT_LT(cycles.size() - whole, 4u);
+    EXPECT_LT(cycles.size() - whole, static_cast<std::size_t>(last_step_parts(options)));
     ASSERT_LT(whole, steps.size());
     EXPECT_LT(cycles.back().tau, steps[whole]);
   }
@@ -658,8 +658,8 @@ void expect_budget_kept_once_reached(const Options& options, int step) {
     }
   }
   EXPECT_LT(complete.statistics.tau, tau) << "the whole of the last step was not needed";
-  EXPECT_GT(before * step, 10);
-  EXPECT_GT(after * step, 10);
+  EXPECT_GT(before * step, 5);
+  EXPECT_GT(after * step, 5);
 }
 
 TEST(MakeCageCancel, AtAnyReportKeepsTheBudgetOnceItWasReached) {

@@ -330,7 +330,7 @@ TEST(NeededThicknessSlow, IsEnough) {
     for (const std::size_t budget : {std::size_t{120}, std::size_t{300}}) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(budget));
       const Mesh input = shape(name, 1500);
-      Options options = with_tau(1.0 / 300);
+      Options options = with_tau(1.0 / 600);
       options.face_budget = budget;
       const Result missed = make_cage(input, options);
       ASSERT_EQ(missed.status, Status::face_budget_not_reached);

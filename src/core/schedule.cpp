@@ -6,7 +6,8 @@
 namespace prcage {
 namespace {
 
-// Where the search for a thickness begins, relative to the edges of the cage to be: smooth surfaces need about 0.25.
+// Relative to the edges of the cage to be: what smooth surfaces need, and where the search for a thickness begins.
+constexpr double smooth_thickness = 0.25;
 constexpr double first_thickness = 0.02;
 // Where it ends, relative to l: cages farther away are no cages any more.
 constexpr double last_thickness = 0.5;
@@ -37,6 +38,8 @@ int tightening_passes(const Options& options) {
 int fitting_passes(const Options& options) { return finds_thickness(options) ? by_quality(options, 0, 20, 100) : 0; }
 
 int last_step_parts(const Options& options) { return by_quality(options, 4, 4, 8); }
+
+double usual_thickness(double area, std::size_t faces) { return smooth_thickness * edge_length(area, faces); }
 
 std::vector<double> thickness_steps(const Options& options, double diagonal, double area) {
   std::vector<double> steps;

@@ -20,6 +20,9 @@ inline bool finds_thickness(const Options& options) { return options.tau == 0 &&
 // cage of the budget has edges so long that the smallest of them can be passed over.
 std::vector<double> wider_steps(double tau, std::size_t face_budget, double diagonal, double area);
 
+// What a cage of so many faces around a smooth surface of this area needs.
+double usual_thickness(double area, std::size_t faces);
+
 // How much of each thickness is left between a level and the next, and which share of it level i of n has then.
 inline constexpr double level_gap = 0.01;
 inline double level_share(std::size_t i, std::size_t n) { return 1 - static_cast<double>(n - 1 - i) * level_gap; }

@@ -76,8 +76,8 @@ class Engine {
       if (before && budget_reached() && !stopped()) divide_last_step(k, *before);
     }
     polish();
-    if (stopped()) return EngineOutcome::stopped;
-    return budget_reached() ? EngineOutcome::budget_reached : EngineOutcome::schedule_finished;
+    if (budget_reached()) return EngineOutcome::budget_reached;
+    return stopped() ? EngineOutcome::stopped : EngineOutcome::schedule_finished;
   }
 
  private:
@@ -287,6 +287,8 @@ class Engine {
     TightenSettings tightening;
     tightening.fitting_passes = fitting_passes(*context_.options);
     if (tightening.fitting_passes == 0 || cycles.empty() || context_.estimates || stopped()) return;
+    // Where topology wants a large thickness, the cage is to fit as if it did not.
+    tightening.misfit_unit = std::min(limits_.centroids, usual_thickness(context_.area, state_.live_faces));
     const Stopwatch watch(cycles.back().seconds);
     CycleStatistics polishing;
     tighten_cage(tightening, polishing);

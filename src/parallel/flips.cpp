@@ -100,7 +100,7 @@ double fit_gain(const CageState& state, const FlipSettings& settings, const Dist
   if (q.angle_after() < std::min(q.angle_before(), settings.wide_enough)) return 0;
   if (!q.keeps_direction() || !q.keeps_manifold(mesh)) return 0;
   const auto misfit_of = [&](const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t f) {
-    return misfit(band, {a, b, c}, state.face_near[f], settings.limits.centroids);
+    return misfit(band, {a, b, c}, state.face_near[f], settings.misfit_unit);
   };
   const std::uint32_t f = h / 3, g = mesh.twin[h] / 3;
   const double gain = misfit_of(q.a, q.b, q.c, f) + misfit_of(q.b, q.a, q.d, g) - misfit_of(q.d, q.c, q.a, f) -

@@ -24,6 +24,7 @@ struct FlipSettings {
   // may be followed as long as they stay so.
   double wide_enough = 180;
   const WrapRoom* room = nullptr;
+  double misfit_unit = 1;  // see misfit.h
 };
 
 // Flips until no flip is left, or the caller cancels. The cage is valid after every round.

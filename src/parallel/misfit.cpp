@@ -4,7 +4,7 @@
 
 namespace prcage {
 
-double misfit(const DistanceBand& band, const Corners& p, std::uint32_t hint, double thickness) {
+double misfit(const DistanceBand& band, const Corners& p, std::uint32_t hint, double unit) {
   constexpr Barycentric samples[] = {{1 / 3.0, 1 / 3.0, 1 / 3.0},
                                      {2 / 3.0, 1 / 6.0, 1 / 6.0},
                                      {1 / 6.0, 2 / 3.0, 1 / 6.0},
@@ -15,8 +15,8 @@ double misfit(const DistanceBand& band, const Corners& p, std::uint32_t hint, do
     const DistanceBand::Near near = band.nearest(at(p, weights), hint);
     hint = near.face;
     const Vec3 wanted = band.area_normal(hint);
-    const double share = near.distance / thickness;
-    sum += std::atan2(normal.cross(wanted).norm(), normal.dot(wanted)) + misfit_of_thickness * share * share;
+    const double units = near.distance / unit;
+    sum += std::atan2(normal.cross(wanted).norm(), normal.dot(wanted)) + misfit_of_unit * units * units;
   }
   return 0.5 * normal.norm() * sum / std::size(samples);
 }

@@ -7,17 +7,17 @@
 
 namespace prcage {
 
-// A distance of the whole thickness is as bad as this angle, radians.
-inline constexpr double misfit_of_thickness = 2;
+// A distance of one unit, about the thickness that such a cage needs, is as bad as this angle, radians.
+inline constexpr double misfit_of_unit = 3;
 
 // The integral over the triangle, by four samples, of the angle between its normal and the input's and of the square of
-// its distance in shares of the thickness. `hint`: a face of the input near by. Thread-safe.
-double misfit(const DistanceBand& band, const Corners& p, std::uint32_t hint, double thickness);
+// its distance in units. `hint`: a face of the input near by. Thread-safe.
+double misfit(const DistanceBand& band, const Corners& p, std::uint32_t hint, double unit);
 
 // The same of samples of the input, each of which stands for `sample_area`: by how much the sum rises if that of the
 // squares of their distances rises by `squares`.
-inline double misfit_of_samples(double squares, double sample_area, double thickness) {
-  return misfit_of_thickness * sample_area * squares / (thickness * thickness);
+inline double misfit_of_samples(double squares, double sample_area, double unit) {
+  return misfit_of_unit * sample_area * squares / (unit * unit);
 }
 
 }  // namespace prcage

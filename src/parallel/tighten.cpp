@@ -127,18 +127,17 @@ bool widens(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
 
 // Is no face narrower than those that are so already, or else wide enough?
 bool keeps_wide(const CornerTable& mesh, std::uint32_t v, const Vec3& p) {
-  return narrowest_angle(mesh, v, p) >= std::min(narrowest_angle(mesh, v, mesh.vec_at(v)), wide_enough);
+  return narrowest_angle(mesh, v, p) >= std::min(narrowest_angle(mesh, v, mesh.vec_at(v)), wide_enough_for_flips);
 }
 
 // Of all faces of a patch and of those that they replace: by how much is there more of it?
-double misfit_rise(const CageState& state, const DistanceBand& band, double thickness, const PatchBatch& batch,
+double misfit_rise(const CageState& state, const DistanceBand& band, double unit, const PatchBatch& batch,
                    std::size_t i) {
   const CornerTable& mesh = state.mesh;
   double sum = 0;
-  for (const std::uint32_t f : batch.removed_faces(i))
-    sum -= misfit(band, mesh.corners(f), state.face_near[f], thickness);
+  for (const std::uint32_t f : batch.removed_faces(i)) sum -= misfit(band, mesh.corners(f), state.face_near[f], unit);
   for (std::size_t t = batch.first_face[i]; t < batch.first_face[i + 1]; ++t)
-    sum += misfit(band, patch_corners(mesh, batch, t), batch.near[t].face, thickness);
+    sum += misfit(band, patch_corners(mesh, batch, t), batch.near[t].face, unit);
   return sum;
 }
 
@@ -176,8 +175,9 @@ class Tightening {
 
   void flip(FlipGoal goal) {
     if (!settings_.flips) return;
-    const FlipSettings flips{settings_.limits, settings_.seed, settings_.coverage,   &obstacle_,
-                             nullptr,          goal,           wide_enough_for_flips};
+    FlipSettings flips{settings_.limits, settings_.seed, settings_.coverage,   &obstacle_,
+                       nullptr,          goal,           wide_enough_for_flips};
+    flips.misfit_unit = settings_.misfit_unit;
     flip_edges(state_, flips, frame_, device_, band_, control_, counts_);
   }
 
@@ -243,12 +243,12 @@ class Tightening {
   }
 
   void reject_worse_fits(PatchBatch& batch) const {
-    const double thickness = settings_.limits.centroids;
+    const double unit = settings_.misfit_unit;
     parallel_each(batch.size(), 1, [&](std::size_t i) {
       if (!batch.alive(i)) return;
-      double rise = misfit_rise(state_, band_, thickness, batch, i);
+      double rise = misfit_rise(state_, band_, unit, batch, i);
       if (settings_.coverage != nullptr)
-        rise += misfit_of_samples(settings_.coverage->rise()[i], settings_.sample_area, thickness);
+        rise += misfit_of_samples(settings_.coverage->rise()[i], settings_.sample_area, unit);
       if (rise > 0) batch.verdict[i] = Verdict::fits_worse;
     });
   }

@@ -27,6 +27,7 @@ struct TightenSettings {
   std::uint64_t seed = 0;
   Coverage* coverage = nullptr;  // if samples of the input are to stay within limits.centroids
   double sample_area = 0;        // of the input, that a sample stands for
+  double misfit_unit = 1;        // for the polish, see misfit.h
 };
 
 // The cage is valid after every round. Runs inside an Arena.
