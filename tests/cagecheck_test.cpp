@@ -110,8 +110,8 @@ MeasureOptions options() {
 
 // One test for all: building cagecheck takes longer than most of the comparisons.
 TEST_F(CagecheckRealMeshes, SlowAgreesOnDistancesNormalsAndConditions) {
-  for (const char* name : {"cad/tablet_stand", "cad/joint", "cad/anchor", "multi/platonic_shelf", "thin/printer_bed",
-                           "thin/tube_knot", "genus/three_holes", "organic/horse", "organic/bunny"}) {
+  for (const char* name : {"cad/tablet_stand", "cad/anchor", "multi/platonic_shelf", "thin/tube_knot",
+                           "genus/three_holes", "organic/bunny"}) {
     SCOPED_TRACE(name);
     const Mesh input = read(name);
     const Result result = make_cage(input);

@@ -13,6 +13,7 @@
 namespace prcage {
 
 inline constexpr std::uint32_t none = 0xffffffffu;
+inline constexpr std::size_t max_faces = none / 3;  // halfedges have 32-bit numbers
 
 inline std::uint32_t next_halfedge(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
 inline std::uint32_t previous_halfedge(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }

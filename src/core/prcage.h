@@ -55,7 +55,7 @@ struct MeshView {
 
 enum class Status {
   ok,
-  face_budget_not_reached,  // the cage is valid, but tau allows no fewer faces than it has
+  face_budget_not_reached,  // the cage is valid, but within tau no fewer faces than it has were reached
   cancelled,                // the cage is valid: what had been reached when the caller cancelled
   deadline_reached,         // the same at the deadline; none if that passed before there was a cage
   invalid_options,          // nothing computed; Result::message names the option

@@ -39,25 +39,24 @@ std::size_t slot(const openvdb::Coord& voxel) {
 using Tree = openvdb::tree::Tree4<std::int32_t, 5, 4, 3>::Type;
 using Accessor = openvdb::tree::ValueAccessor<const Tree, false>;  // not registered with the tree
 
-struct Found {
-  openvdb::Coord voxel = openvdb::Coord::max();
-  std::int32_t face = -1;
-};
-
-// What one thread knows between two calls of absorb().
-struct ThreadMemo {
-  explicit ThreadMemo(const Tree& shared) : tree(shared), recent(recent_slots) {}
-  Accessor tree;
-  std::vector<Found> recent;  // direct-mapped by voxel
-  std::vector<Found> found;   // not in the tree yet
-  std::uint32_t last = none;  // the face found last: the next question is about a place near by
-};
-
 }  // namespace
 
 struct DistanceBand::Memo {
+  struct Found {
+    openvdb::Coord voxel = openvdb::Coord::max();
+    std::int32_t face = -1;
+  };
+  // What one thread knows between two calls of absorb().
+  struct Thread {
+    explicit Thread(const Tree& shared) : tree(shared), recent(recent_slots) {}
+    Accessor tree;
+    std::vector<Found> recent;  // direct-mapped by voxel
+    std::vector<Found> found;   // not in the tree yet
+    std::uint32_t last = none;  // the face found last: the next question is about a place near by
+  };
+
   Tree tree{-1};
-  tbb::enumerable_thread_specific<ThreadMemo> threads{[this] { return ThreadMemo(tree); }};
+  tbb::enumerable_thread_specific<Thread> threads{[this] { return Thread(tree); }};
   std::uint64_t filled = 0;
   std::uint64_t unmeasured = 0;  // voxels filled since the size of the tree was looked at
 };
@@ -89,8 +88,8 @@ std::uint32_t DistanceBand::near_face(const Vec3& x) {
   const Vec3 y = (x - frame_.centre) / voxel_size_;
   const openvdb::Coord voxel(static_cast<int>(std::floor(y.x())), static_cast<int>(std::floor(y.y())),
                              static_cast<int>(std::floor(y.z())));
-  ThreadMemo& memo = memo_->threads.local();
-  Found& recent = memo.recent[slot(voxel)];
+  Memo::Thread& memo = memo_->threads.local();
+  Memo::Found& recent = memo.recent[slot(voxel)];
   if (recent.voxel != voxel) {
     std::int32_t face = memo.tree.getValue(voxel);
     if (face < 0) {
@@ -163,8 +162,8 @@ void DistanceBand::set_voxel_size(double size) {
 void DistanceBand::absorb() {
   openvdb::tree::ValueAccessor<Tree, false> writer(memo_->tree);
   std::uint64_t found = 0;
-  for (const ThreadMemo& memo : memo_->threads) {
-    for (const Found& f : memo.found) writer.setValue(f.voxel, f.face);
+  for (const Memo::Thread& memo : memo_->threads) {
+    for (const Memo::Found& f : memo.found) writer.setValue(f.voxel, f.face);
     found += memo.found.size();
   }
   if (found == 0) return;

@@ -19,7 +19,7 @@ namespace {
 // Steps below 2^-36 sigma are beyond what doubles resolve at the scale of the diagonal.
 constexpr int max_halvings = 36;
 // Steps that have become smaller may free what was held by their vertices: more rounds than halvings.
-constexpr int max_rounds = 4 * max_halvings;
+constexpr int max_separating_rounds = 4 * max_halvings;
 constexpr std::size_t examples = 5;
 // Radius at which a singular vertex is cut off as a share of its shortest edge.
 constexpr double radius_share = 0.25;
@@ -285,7 +285,7 @@ InitialCage displace(const Mesh& surface, const SurfaceTree& input, const Displa
   parallel_each(vertices, default_grain, [&](std::size_t v) { mesh.position[v] = displacer.moved(v, result.step[v]); });
 
   Conflicts conflicts = find_conflicts(mesh, input, device);
-  for (int round = 0; round < max_rounds && !conflicts.none(); ++round) {
+  for (int round = 0; round < max_separating_rounds && !conflicts.none(); ++round) {
     const std::vector<std::uint32_t> changed = halve_at(conflicts, mesh, result.step);
     for (const std::uint32_t v : changed) mesh.position[v] = displacer.moved(v, result.step[v]);
     conflicts = find_conflicts_at(changed, mesh, input, device);

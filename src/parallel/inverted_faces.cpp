@@ -14,7 +14,7 @@ namespace {
 
 // Faces that are farther than the closest one by less are as close: of the distance, and of the size of the scene.
 constexpr double distance_rounding = 1e-9;
-constexpr double size_rounding = 1e-12;
+constexpr double input_rounding = 1e-12;
 
 struct Sample {
   Vec3 point;
@@ -69,7 +69,7 @@ class InvertedFaces {
     std::vector<Box> boxes(samples.size());
     parallel_each(samples.size(), 16, [&](std::size_t i) {
       Sample& s = samples[i];
-      s.distance = closest_.nearest(s.point).distance * (1 + distance_rounding) + size_rounding / input_.frame().scale;
+      s.distance = closest_.nearest(s.point).distance * (1 + distance_rounding) + input_rounding / input_.frame().scale;
       const Position low = position(s.point - Vec3::Constant(s.distance));
       const Position high = position(s.point + Vec3::Constant(s.distance));
       boxes[i] = bounding_box(input_.frame(), {low.data(), high.data()});

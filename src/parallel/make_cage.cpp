@@ -450,8 +450,8 @@ class Pipeline : PipelineBase<Result> {
   std::string missed_budget_message() const {
     const Statistics& s = result_.statistics;
     std::ostringstream text;
-    text << (finds_thickness(options_) ? "no thickness allows fewer than " : "tau allows no fewer than ")
-         << s.cage_faces << " faces";
+    text << "no fewer than " << s.cage_faces << " faces were reached "
+         << (finds_thickness(options_) ? "at any thickness" : "within tau");
     const bool absolute = options_.tau_absolute > 0;
     if (s.needed_tau > 0) {
       text << "; about " << (absolute ? s.needed_tau : s.needed_tau / s.diagonal)

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
+#include "core/adjacency.h"
 #include "parallel/winding.h"
 
 namespace prcage {
 namespace {
-
-constexpr std::size_t max_faces = none / 3;  // halfedges have 32-bit numbers
 
 // Faces whose corners are vertices at finite positions.
 std::vector<std::uint32_t> placed_faces(const Mesh& mesh, DroppedFaces& dropped) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "core/adjacency.h"
 #include "core/mesh_view.h"
 #include "core/predicates.h"
 #include "core/repair.h"
@@ -20,7 +21,6 @@ namespace prcage {
 namespace {
 
 constexpr std::size_t max_examples = 5;
-constexpr std::size_t max_faces = 0xffffffffu / 3;  // halfedges have 32-bit numbers
 
 enum class FaceOrder { as_given, along_curve };
 
