@@ -5,13 +5,13 @@
 // peak is that of separate multiplications and additions, measured here as well: independent chains, no memory.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <numeric>
 #include <vector>
 
 #include "core/adjacency.h"
 #include "core/mean_value.h"
 #include "core/prcage.h"
+#include "perf/bench_fixture.h"
 #include "tools/shapes.h"
 
 namespace prcage::perf {
@@ -61,11 +61,6 @@ struct KernelCage {
               opposite.data()};
   }
 };
-
-bool available(SimdLevel level) {
-  const auto levels = available_simd_levels();
-  return std::find(levels.begin(), levels.end(), level) != levels.end();
-}
 
 // Additions, multiplications, divisions and roots for one point, each counted as one; what only points near the cage
 // need is left out. Of a vertex: 3 to subtract, 5 for the square, 5 for the unit vector, 3 for the weight. Of an edge:

@@ -1,5 +1,6 @@
 #include "perf/bench_fixture.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -17,6 +18,11 @@ Workload& bumpy_workload(std::int64_t percent) {
     });
   }
   return *workload;
+}
+
+bool available(SimdLevel level) {
+  const auto levels = available_simd_levels();
+  return std::find(levels.begin(), levels.end(), level) != levels.end();
 }
 
 }  // namespace prcage::perf

@@ -1,10 +1,11 @@
-// What the benchmarks of stages have in common: workloads that are made once and kept, and loops inside an arena.
+// What benchmarks have in common: workloads that are made once and kept, loops inside an arena, instruction sets.
 #pragma once
 
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
 
+#include "core/simd.h"
 #include "perf/workload.h"
 
 namespace prcage::perf {
@@ -33,6 +34,9 @@ void loop_in_arena(benchmark::State& state, const Prepare& prepare, const Body& 
     }
   });
 }
+
+// Can this processor do that?
+bool available(SimdLevel level);
 
 // Things done per second of wall time.
 inline benchmark::Counter rate(std::size_t things_per_iteration) {

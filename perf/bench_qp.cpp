@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/qp3_batch.h"
+#include "perf/bench_fixture.h"
 #include "perf/qp_file.h"
 
 namespace prcage::perf {
@@ -69,11 +70,6 @@ void qp_one_by_one(benchmark::State& state) {
   describe(state, problems, solved);
 }
 BENCHMARK(qp_one_by_one)->Apply(plane_counts);
-
-bool available(SimdLevel level) {
-  const auto levels = available_simd_levels();
-  return std::find(levels.begin(), levels.end(), level) != levels.end();
-}
 
 // In batches of the engine's size.
 void qp_batch(benchmark::State& state, SimdLevel level) {
