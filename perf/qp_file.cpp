@@ -23,6 +23,15 @@ bool get(std::ifstream& in, double* to, std::size_t count) {
 
 }  // namespace
 
+void QpProblems::clear() {
+  form.clear();
+  linear.clear();
+  first_row.clear();
+  row_length.clear();
+  rows.clear();
+  plane_count.clear();
+}
+
 void QpProblems::add(const Symmetric3& problem_form, const Vec3& problem_linear, const SlabRows& slabs,
                      std::size_t planes) {
   form.push_back(problem_form);

@@ -25,6 +25,7 @@ struct QpProblems {
   std::size_t size() const { return form.size(); }
   SlabRows planes(std::size_t i) const { return {rows.data() + first_row[i], row_length[i]}; }
   std::size_t all_planes() const { return std::accumulate(plane_count.begin(), plane_count.end(), std::size_t{0}); }
+  void clear();  // keeps its memory
   void add(const Symmetric3& problem_form, const Vec3& problem_linear, const SlabRows& slabs, std::size_t planes);
 };
 
