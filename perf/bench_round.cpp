@@ -55,7 +55,7 @@ void select(benchmark::State& state) {
   std::vector<std::uint8_t>& reselect = workload.state.reselect;
   loop_in_arena(
       state, [&] { std::fill(reselect.begin(), reselect.end(), std::uint8_t{1}); },
-      [&] { benchmark::DoNotOptimize(select_independent_collapses(workload.state, 0)); });
+      [&] { benchmark::DoNotOptimize(select_independent_collapses(workload.state, {})); });
   state.counters["edges"] = rate(workload.state.live_faces * 3 / 2);
   state.counters["selected"] = static_cast<double>(round.selected.size());
 }

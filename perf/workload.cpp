@@ -72,7 +72,7 @@ Round begin_round(Workload& workload) {
   Counts counts;
   evaluate_dirty_edges(workload.state, workload.placement, counts);
   Round round;
-  round.selected = select_independent_collapses(workload.state, 0);
+  round.selected = select_independent_collapses(workload.state, {});
   round.placed = place_collapses(workload.state, workload.placement, round.selected);
   round.batch = build_collapses(workload.state, workload.tree.frame(), round.placed);
   return round;

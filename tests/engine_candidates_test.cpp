@@ -235,11 +235,11 @@ TEST(Evaluate, StarsAboveTheLimitAreLeftAlone) {
 // ------------------------------------------------------------------------------------------ independent sets
 
 // Candidates that are the minimum on all faces of their stars.
-std::set<std::uint32_t> local_minima(const CageState& state, std::uint64_t seed) {
+std::set<std::uint32_t> local_minima(const CageState& state, const CollapseOrder& order) {
   std::map<std::uint32_t, std::uint64_t> best;  // per face
   for (const std::uint32_t h : edges_of(state.mesh)) {
     if (!(state.edge_cost[h] < no_cost)) continue;
-    const std::uint64_t key = candidate_key(state.edge_cost[h], h, seed);
+    const std::uint64_t key = order.key(state.edge_cost[h], h);
     for (const std::uint32_t f : star_faces(state.mesh, h)) {
       const auto it = best.emplace(f, key).first;
       it->second = std::min(it->second, key);
@@ -248,16 +248,16 @@ std::set<std::uint32_t> local_minima(const CageState& state, std::uint64_t seed)
   std::set<std::uint32_t> selected;
   for (const std::uint32_t h : edges_of(state.mesh)) {
     if (!(state.edge_cost[h] < no_cost)) continue;
-    const std::uint64_t key = candidate_key(state.edge_cost[h], h, seed);
+    const std::uint64_t key = order.key(state.edge_cost[h], h);
     const auto star = star_faces(state.mesh, h);
     if (std::all_of(star.begin(), star.end(), [&](std::uint32_t f) { return best[f] == key; })) selected.insert(h);
   }
   return selected;
 }
 
-void expect_local_minima(CageState& state, std::uint64_t seed) {
+void expect_local_minima(CageState& state, const CollapseOrder& order) {
   std::fill(state.reselect.begin(), state.reselect.end(), std::uint8_t{1});
-  const std::vector<Candidate> selected = select_independent_collapses(state, seed);
+  const std::vector<Candidate> selected = select_independent_collapses(state, order);
   EXPECT_TRUE(std::is_sorted(selected.begin(), selected.end(), [&](const Candidate& a, const Candidate& b) {
     return state.mesh.origin(a.halfedge) < state.mesh.origin(b.halfedge);
   }));
@@ -265,11 +265,11 @@ void expect_local_minima(CageState& state, std::uint64_t seed) {
   std::set<std::uint32_t> faces;
   for (const Candidate& c : selected) {
     edges.insert(c.halfedge);
-    EXPECT_EQ(c.key, candidate_key(state.edge_cost[c.halfedge], c.halfedge, seed));
+    EXPECT_EQ(c.key, order.key(state.edge_cost[c.halfedge], c.halfedge));
     for (const std::uint32_t f : star_faces(state.mesh, c.halfedge))
       EXPECT_TRUE(faces.insert(f).second) << "shared face";
   }
-  EXPECT_EQ(edges, local_minima(state, seed));
+  EXPECT_EQ(edges, local_minima(state, order));
   const bool any = std::any_of(state.edge_cost.begin(), state.edge_cost.end(), [](float c) { return c < no_cost; });
   EXPECT_EQ(selected.empty(), !any);
 }
@@ -282,18 +282,19 @@ TEST(Select, CollapsesAreTheLocalMinimaAndTheirStarsAreDisjoint) {
       CageState state = stage.displaced(1e-5 * stage.diagonal).state;
       Counts counts;
       evaluate_dirty_edges(state, stage.placement(stage.diagonal / 15), counts);
-      expect_local_minima(state, 0);
-      expect_local_minima(state, 12345);
+      expect_local_minima(state, {});
+      expect_local_minima(state, {.seed = 12345});
+      expect_local_minima(state, {.seed = 12345, .in_steps = true});
       // Equal costs everywhere: only the hash of the edge decides.
       for (const std::uint32_t h : edges_of(state.mesh)) state.edge_cost[h] = 0;
-      expect_local_minima(state, 1);
+      expect_local_minima(state, {.seed = 1});
       // Few candidates.
       std::mt19937_64 random(c.seed);
       for (const std::uint32_t h : edges_of(state.mesh))
         if (random() % 20 != 0) state.edge_cost[h] = no_cost;
-      expect_local_minima(state, 2);
+      expect_local_minima(state, {.seed = 2});
       std::fill(state.edge_cost.begin(), state.edge_cost.end(), no_cost);
-      expect_local_minima(state, 3);
+      expect_local_minima(state, {.seed = 3});
     });
   }
 }
@@ -308,12 +309,14 @@ TEST(Select, FollowsTheCostsThatChange) {
     evaluate_dirty_edges(state, stage.placement(stage.diagonal / 15), counts);
     std::mt19937_64 random(4);
     const std::vector<std::uint32_t> edges = edges_of(state.mesh);
+    const CollapseOrder order{.in_steps = true};
     for (int step = 0; step < 20; ++step) {
       for (int i = 0; i < 30; ++i)
-        set_cost(state, edges[random() % edges.size()], random() % 3 == 0 ? no_cost : static_cast<float>(random() % 9));
+        set_cost(state, edges[random() % edges.size()],
+                 random() % 3 == 0 ? no_cost : static_cast<float>(random() % 99));
       std::set<std::uint32_t> selected;
-      for (const Candidate& c : select_independent_collapses(state, 0)) selected.insert(c.halfedge);
-      ASSERT_EQ(selected, local_minima(state, 0));
+      for (const Candidate& c : select_independent_collapses(state, order)) selected.insert(c.halfedge);
+      ASSERT_EQ(selected, local_minima(state, order));
     }
   });
 }
@@ -327,7 +330,7 @@ TEST(Select, CollapsesDoNotDependOnThreads) {
       CageState state = stage.state_of(input);
       Counts counts;
       evaluate_dirty_edges(state, stage.placement(stage.diagonal / 40), counts);
-      for (const Candidate& c : select_independent_collapses(state, 0)) edges.push_back(c.halfedge);
+      for (const Candidate& c : select_independent_collapses(state, {})) edges.push_back(c.halfedge);
     });
     return edges;
   };
@@ -335,6 +338,27 @@ TEST(Select, CollapsesDoNotDependOnThreads) {
   EXPECT_GT(expected.size(), 500u);
   EXPECT_EQ(selected_with(2), expected);
   EXPECT_EQ(selected_with(4), expected);
+}
+
+// Their exact order would select only where they begin to rise.
+TEST(Select, CostsThatRiseEvenlyHoldFewCollapsesUp) {
+  const Mesh input = testing::shape("bumpy", 20000);
+  in_arena(2, [&] {
+    const Stage stage(input);
+    CageState state = stage.state_of(input);
+    std::fill(state.edge_cost.begin(), state.edge_cost.end(), no_cost);
+    std::fill(state.reselect.begin(), state.reselect.end(), std::uint8_t{1});
+    const std::vector<std::uint32_t> edges = edges_of(state.mesh);
+    const auto selected_of = [&](const auto& cost) {
+      for (const std::uint32_t h : edges) set_cost(state, h, static_cast<float>(cost(h)));
+      return select_independent_collapses(state, {.in_steps = true}).size();
+    };
+    const std::size_t of_equal_costs = selected_of([](std::uint32_t) { return 1.0; });
+    const std::size_t of_rising_costs =
+        selected_of([&](std::uint32_t h) { return 2 + state.mesh.vec_at(state.mesh.origin(h)).x() / stage.diagonal; });
+    EXPECT_GT(of_equal_costs, edges.size() / 100);
+    EXPECT_GT(of_rising_costs, of_equal_costs / 2);
+  });
 }
 
 TEST(Select, KeysOrderByCostAndAreUnique) {
@@ -346,6 +370,20 @@ TEST(Select, KeysOrderByCostAndAreUnique) {
     for (std::uint32_t h = 0; h < 100; ++h)
       EXPECT_LT(candidate_key(costs[i], h, h), candidate_key(costs[i + 1], h * 7 + 1, h));
   EXPECT_NE(candidate_key(1.0f, 5, 1), candidate_key(1.0f, 5, 2));
+}
+
+TEST(Select, StepsOrderByCostAndAreUnique) {
+  const CollapseOrder order{.seed = 99, .in_steps = true};
+  std::set<std::uint64_t> keys;
+  std::size_t in_order = 0;
+  for (std::uint32_t h = 0; h < 5000; ++h) {
+    keys.insert(order.key(0.5f, h));
+    in_order += order.key(0.5f, h + 1) < order.key(0.51f, h) ? 1 : 0;  // of one step
+    for (float cost = 1e-30f; cost < 1e30f; cost *= 1e4f)
+      ASSERT_LT(order.key(cost, h), order.key(1.126f * cost, h + 1));
+  }
+  EXPECT_EQ(keys.size(), 5000u);
+  EXPECT_NEAR(static_cast<double>(in_order), 2500, 250);
 }
 
 TEST(Select, FlipsHaveNoVertexInCommonAndAreTheMinimaAtTheirFour) {

@@ -80,7 +80,7 @@ TEST(Rejection, InfeasibleWhereTheBandIsTooThin) {
     Counts thin;
     evaluate_dirty_edges(state, stage.placement(1e-12), thin);
     EXPECT_EQ(thin.rejected_infeasible, thin.evaluated - thin.rejected_link);
-    EXPECT_TRUE(select_independent_collapses(state, 0).empty());
+    EXPECT_TRUE(select_independent_collapses(state, {}).empty());
     std::fill(state.dirty.begin(), state.dirty.end(), Dirt::moved);
     Counts wide;
     evaluate_dirty_edges(state, stage.placement(1), wide);
@@ -197,7 +197,7 @@ struct Wedges {
       const std::uint32_t b = std::max(state.mesh.origin(h), state.mesh.target(h)) % 6;
       if (a != 4 || b != 5) state.edge_cost[h] = no_cost;
     }
-    return select_independent_collapses(state, 0);
+    return select_independent_collapses(state, {});
   }
 };
 
@@ -260,7 +260,7 @@ PatchBatch wild_batch(const Stage& stage, CageState& state, std::uint64_t seed, 
     if (represents_edge(state.mesh, h) && link_condition(state.mesh, h))
       state.edge_cost[h] = std::min(state.edge_cost[h], 1.0f);
   PatchBatch batch =
-      stage.patches(state, stage.placement(stage.diagonal / 5), select_independent_collapses(state, seed));
+      stage.patches(state, stage.placement(stage.diagonal / 5), select_independent_collapses(state, {.seed = seed}));
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> reach(0.0, farthest * stage.diagonal);
   for (std::size_t i = 0; i < batch.size(); ++i) {

@@ -18,6 +18,8 @@ constexpr std::uint64_t no_key = std::numeric_limits<std::uint64_t>::max();
 // A selected edge whose cost has grown by more than this factor since it was evaluated waits for its turn.
 constexpr float most_dearer = 1.5f;
 constexpr float no_cost = std::numeric_limits<float>::infinity();
+// Bits of the fraction that steps of costs begin with: they are an eighth wide or less.
+constexpr int step_bits = 3;
 
 void atomic_min(std::uint64_t& target, std::uint64_t value) {
   std::atomic_ref<std::uint64_t> slot(target);
@@ -34,6 +36,12 @@ std::uint32_t mix(std::uint32_t x) {
   x *= 0x846ca68bu;
   x ^= x >> 16;
   return x;
+}
+
+// The lower end of the step that the cost, which is not negative, is in.
+float step_of(float cost) {
+  constexpr int dropped = std::numeric_limits<float>::digits - 1 - step_bits;
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(cost) >> dropped << dropped);
 }
 
 struct Scratch {
@@ -83,15 +91,15 @@ void evaluate_range(CageState& state, const PlacementSettings& settings, std::si
 }
 
 // The cheapest candidate among the edges at v.
-Candidate best_edge_at(const CageState& state, std::uint32_t v, std::uint64_t seed) {
+Candidate best_edge_at(const CageState& state, std::uint32_t v, const CollapseOrder& order) {
   Candidate best{no_key, none};
   if (state.mesh.vertex_halfedge[v] == none) return best;
   float least = no_cost;
   for_each_outgoing(state.mesh, v, [&](std::uint32_t h) {
     const std::uint32_t edge = std::min(h, state.mesh.twin[h]);
-    const float cost = state.edge_cost[edge];
+    const float cost = order.in_steps ? step_of(state.edge_cost[edge]) : state.edge_cost[edge];
     if (cost > least || cost == no_cost) return;
-    const Candidate candidate{candidate_key(cost, edge, seed), edge};
+    const Candidate candidate{candidate_key(cost, edge, order.seed), edge};
     if (candidate < best) best = candidate;
     least = cost;
   });
@@ -134,11 +142,15 @@ std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t se
   return std::uint64_t{std::bit_cast<std::uint32_t>(cost)} << 32 | mix(halfedge ^ salt);
 }
 
-std::vector<Candidate> select_independent_collapses(CageState& state, std::uint64_t seed) {
+std::uint64_t CollapseOrder::key(float cost, std::uint32_t halfedge) const {
+  return candidate_key(in_steps ? step_of(cost) : cost, halfedge, seed);
+}
+
+std::vector<Candidate> select_independent_collapses(CageState& state, const CollapseOrder& order) {
   parallel_each(state.mesh.vertex_slots(), default_grain, [&](std::size_t v) {
     if (state.reselect[v] == 0) return;
     state.reselect[v] = 0;
-    state.best_edge[v] = best_edge_at(state, static_cast<std::uint32_t>(v), seed);
+    state.best_edge[v] = best_edge_at(state, static_cast<std::uint32_t>(v), order);
   });
   return parallel_gather<Candidate>(
       state.mesh.vertex_slots(), 1u << 13, [&](std::size_t begin, std::size_t end, auto& list) {

@@ -33,9 +33,10 @@ constexpr int last_refits = 10;
 constexpr double shortest_refit = 0.005;
 // Of placements that no plane holds: far less than in cages, since it would blunt edges and corners a little each time.
 constexpr double regularization_between_sides = 1e-5;
-// BandLimits::near_enough of surfaces with more faces than this, and with fewer, when exact distances cost little: what
-// is refused at first for distances that are too large comes later.
+// Surfaces with more faces than this are collapsed with less care, since the rest mends what that spoils.
 constexpr std::size_t many_faces = 20000;
+// BandLimits::near_enough of such surfaces, and of those with fewer faces, when exact distances cost little: what is
+// refused at first for distances that are too large comes later.
 constexpr double near_enough_of_many = 0.5;
 constexpr double near_enough_of_few = 0.02;
 // A plane of the star bounds how far a vertex is from the input, and far from its own face that bound is much too
@@ -149,6 +150,7 @@ class Engine {
       set_limits(cycle.tau);
       if (renews_coverage() || coverage() == nullptr) start_coverage();
       forget_costs(state_);
+      set_order();
       report(Control::Stage::collapse, 0);
       run_rounds(cycle);
       if (proves_all() && (near_the_budget() || k + 1 == context_.thickness.size())) {
@@ -194,9 +196,13 @@ class Engine {
     context_.band->set_voxel_size(proved / voxels_per_tau);
   }
 
+  // Few faces can afford the rounds that the exact order takes. All edges must be selected anew.
+  void set_order() { order_ = {context_.options->seed, state_.live_faces > many_faces}; }
+
   void sort_if_sparse() {
     const double slots = static_cast<double>(state_.mesh.face_slots());
     if (static_cast<double>(state_.live_faces) >= compaction_share * slots) return;
+    set_order();
     const std::vector<std::uint32_t> old_faces = sort_along_curve(state_);
     if (renews_coverage())
       start_coverage();
@@ -227,7 +233,7 @@ class Engine {
     timed(seconds.commit, [&] { sort_if_sparse(); });
     timed(seconds.evaluate, [&] { evaluate_dirty_edges(state_, settings_, cycle.counts); });
     std::vector<Candidate> selected;
-    timed(seconds.select, [&] { selected = select_independent_collapses(state_, context_.options->seed); });
+    timed(seconds.select, [&] { selected = select_independent_collapses(state_, order_); });
     if (selected.empty()) return false;
     PlacedCollapses placed;
     timed(seconds.evaluate, [&] { placed = place_collapses(state_, settings_, selected); });
@@ -353,6 +359,7 @@ class Engine {
   const EngineContext& context_;
   PlacementSettings settings_;
   BandLimits limits_;
+  CollapseOrder order_;
   std::size_t cycle_ = 0;
 };
 
