@@ -90,14 +90,16 @@ void evaluate_range(CageState& state, const PlacementSettings& settings, std::si
   }
 }
 
-// The cheapest candidate among the edges at v.
-Candidate best_edge_at(const CageState& state, std::uint32_t v, const CollapseOrder& order) {
+// The least of the edges from v to vertices that are free.
+template <class Free>
+Candidate best_edge_at(const CageState& state, std::uint32_t v, const CollapseOrder& order, const Free& free) {
   Candidate best{no_key, none};
   if (state.mesh.vertex_halfedge[v] == none) return best;
   float least = no_cost;
   for_each_outgoing(state.mesh, v, [&](std::uint32_t h) {
+    if (!free(state.mesh.target(h))) return;
     const std::uint32_t edge = std::min(h, state.mesh.twin[h]);
-    const float cost = order.in_steps ? step_of(state.edge_cost[edge]) : state.edge_cost[edge];
+    const float cost = order.rough ? step_of(state.edge_cost[edge]) : state.edge_cost[edge];
     if (cost > least || cost == no_cost) return;
     const Candidate candidate{candidate_key(cost, edge, order.seed), edge};
     if (candidate < best) best = candidate;
@@ -106,18 +108,58 @@ Candidate best_edge_at(const CageState& state, std::uint32_t v, const CollapseOr
   return best;
 }
 
-// Is the edge the cheapest among those whose stars have a face in common with its own? Such an edge has an endpoint at
-// or next to one of its endpoints.
-bool is_least_nearby(const CageState& state, const Candidate& edge) {
-  const CornerTable& mesh = state.mesh;
+// Is the edge the least among those whose stars have a face in common with its own? Such an edge has an endpoint at or
+// next to one of its endpoints.
+bool is_least_nearby(const CornerTable& mesh, const std::vector<Candidate>& least_at, const Candidate& edge) {
   bool least = true;
   for (const std::uint32_t v : {mesh.origin(edge.halfedge), mesh.target(edge.halfedge)}) {
-    least = least && state.best_edge[v].key == edge.key;
+    least = least && least_at[v].key == edge.key;
     if (!least) return false;
-    for_each_outgoing(mesh, v,
-                      [&](std::uint32_t h) { least = least && state.best_edge[mesh.target(h)].key >= edge.key; });
+    for_each_outgoing(mesh, v, [&](std::uint32_t h) { least = least && least_at[mesh.target(h)].key >= edge.key; });
   }
   return least;
+}
+
+// In the order of their origins.
+std::vector<Candidate> local_minima(const CornerTable& mesh, const std::vector<Candidate>& least_at) {
+  return parallel_gather<Candidate>(mesh.vertex_slots(), 1u << 13, [&](std::size_t begin, std::size_t end, auto& list) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const Candidate& least = least_at[v];
+      if (least.key != no_key && mesh.origin(least.halfedge) == v && is_least_nearby(mesh, least_at, least))
+        list.push_back(least);
+    }
+  });
+}
+
+// Edges whose stars have a face in common with one of the selected have an endpoint among the vertices of those stars.
+void take_stars(const CornerTable& mesh, const std::vector<Candidate>& selected, std::vector<std::uint8_t>& taken) {
+  parallel_each(selected.size(), 64, [&](std::size_t i) {
+    const std::uint32_t edge = selected[i].halfedge;
+    for (const std::uint32_t v : {mesh.origin(edge), mesh.target(edge)})
+      for_each_outgoing(mesh, v, [&](std::uint32_t h) {
+        std::atomic_ref(taken[mesh.target(h)]).store(1, std::memory_order_relaxed);
+      });
+  });
+}
+
+// The minima of the edges that share no face with those selected before.
+std::vector<Candidate> minima_of_the_rest(const CageState& state, const CollapseOrder& order,
+                                          const std::vector<Candidate>& selected) {
+  const CornerTable& mesh = state.mesh;
+  std::vector<std::uint8_t> taken(mesh.vertex_slots(), 0);
+  take_stars(mesh, selected, taken);
+  std::vector<Candidate> least_at(mesh.vertex_slots());
+  parallel_each(least_at.size(), default_grain, [&](std::size_t v) {
+    const Candidate& least = state.best_edge[v];
+    if (taken[v] != 0 || least.key == no_key)
+      least_at[v] = {no_key, none};
+    else if (taken[mesh.origin(least.halfedge)] == 0 && taken[mesh.target(least.halfedge)] == 0)
+      least_at[v] = least;
+    else
+      least_at[v] =
+          best_edge_at(state, static_cast<std::uint32_t>(v), order, [&](std::uint32_t w) { return taken[w] == 0; });
+  });
+  return local_minima(mesh, least_at);
 }
 
 }  // namespace
@@ -143,23 +185,23 @@ std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t se
 }
 
 std::uint64_t CollapseOrder::key(float cost, std::uint32_t halfedge) const {
-  return candidate_key(in_steps ? step_of(cost) : cost, halfedge, seed);
+  return candidate_key(rough ? step_of(cost) : cost, halfedge, seed);
 }
 
 std::vector<Candidate> select_independent_collapses(CageState& state, const CollapseOrder& order) {
-  parallel_each(state.mesh.vertex_slots(), default_grain, [&](std::size_t v) {
+  const CornerTable& mesh = state.mesh;
+  parallel_each(mesh.vertex_slots(), default_grain, [&](std::size_t v) {
     if (state.reselect[v] == 0) return;
     state.reselect[v] = 0;
-    state.best_edge[v] = best_edge_at(state, static_cast<std::uint32_t>(v), order);
+    state.best_edge[v] = best_edge_at(state, static_cast<std::uint32_t>(v), order, [](std::uint32_t) { return true; });
   });
-  return parallel_gather<Candidate>(
-      state.mesh.vertex_slots(), 1u << 13, [&](std::size_t begin, std::size_t end, auto& list) {
-        for (std::size_t v = begin; v < end; ++v) {
-          const Candidate& best = state.best_edge[v];
-          if (best.key != no_key && state.mesh.origin(best.halfedge) == v && is_least_nearby(state, best))
-            list.push_back(best);
-        }
-      });
+  const std::vector<Candidate> selected = local_minima(mesh, state.best_edge);
+  if (!order.rough) return selected;
+  const std::vector<Candidate> more = minima_of_the_rest(state, order, selected);
+  std::vector<Candidate> all(selected.size() + more.size());
+  std::merge(selected.begin(), selected.end(), more.begin(), more.end(), all.begin(),
+             [&](const Candidate& a, const Candidate& b) { return mesh.origin(a.halfedge) < mesh.origin(b.halfedge); });
+  return all;
 }
 
 PlacedCollapses place_collapses(CageState& state, const PlacementSettings& settings,

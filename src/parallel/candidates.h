@@ -19,18 +19,18 @@ std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t se
 // Which of two collapses goes first.
 struct CollapseOrder {
   std::uint64_t seed = 0;
-  // Chance decides between costs that differ by less than an eighth. Where costs rise evenly from place to place, their
-  // exact order lets each edge wait for the next cheaper one beside it, in chains as long as the mesh is wide, and the
-  // rounds grow with them.
-  bool in_steps = false;
+  // Fewer rounds, for surfaces of many faces. Chance decides between costs that differ by less than an eighth: where
+  // costs rise evenly from place to place, their exact order lets each edge wait for the next cheaper one beside it, in
+  // chains as long as the mesh is wide. And once the minima are selected, those of the edges that are left are as well.
+  bool rough = false;
 
   std::uint64_t key(float cost, std::uint32_t halfedge) const;
 };
 
-// Edges of finite cost that are the minimum on every face of their star, in the order of their origins: what is near in
-// space stays near in the stages to come. Stars of the result are disjoint, so the collapses cannot disturb each
-// other's topology. Looks again at the vertices marked in `reselect` only: all of them must be when the order is
-// another one than before.
+// Edges of finite cost that are the minimum on every face of their star (in a rough order: or of those whose stars are
+// disjoint from these), in the order of their origins: what is near in space stays near in the stages to come. Stars of
+// the result are disjoint, so the collapses cannot disturb each other's topology. Looks again at the vertices marked in
+// `reselect` only: all of them must be when the order is another one than before.
 std::vector<Candidate> select_independent_collapses(CageState& state, const CollapseOrder& order);
 
 // Collapses with the positions that their problems have now.

@@ -56,7 +56,8 @@ double float_margin(const CornerTable& mesh) {
 
 class Engine {
  public:
-  Engine(CageState& state, const EngineContext& context) : state_(state), context_(context) {
+  Engine(CageState& state, const EngineContext& context)
+      : state_(state), context_(context), first_faces_(state.live_faces) {
     const Options& options = *context.options;
     settings_.min_scale = 1e-12 * context.diagonal;
     settings_.cost_scale = 1 / (context.diagonal * context.diagonal);
@@ -199,6 +200,11 @@ class Engine {
   // Few faces can afford the rounds that the exact order takes. All edges must be selected anew.
   void set_order() { order_ = {context_.options->seed, state_.live_faces > many_faces}; }
 
+  // While most of the collapses are still to come, those to come need not be known so well.
+  bool estimates_costs() const {
+    return state_.live_faces > std::max({many_faces, first_faces_ / 8, 16 * context_.options->face_budget});
+  }
+
   void sort_if_sparse() {
     const double slots = static_cast<double>(state_.mesh.face_slots());
     if (static_cast<double>(state_.live_faces) >= compaction_share * slots) return;
@@ -242,7 +248,7 @@ class Engine {
     timed(seconds.build, [&] { batch = build_collapses(state_, context_.frame, placed); });
     if (context_.constrained) test_collapses(batch);
     timed(seconds.commit, [&] {
-      commit_collapses(state_, batch);
+      commit_collapses(state_, batch, estimates_costs() ? NewCosts::estimated : NewCosts::evaluated);
       if (context_.room != nullptr) context_.room->measure(batch, state_);
       if (coverage() != nullptr) coverage()->commit(batch);
     });
@@ -357,6 +363,7 @@ class Engine {
 
   CageState& state_;
   const EngineContext& context_;
+  std::size_t first_faces_;
   PlacementSettings settings_;
   BandLimits limits_;
   CollapseOrder order_;
