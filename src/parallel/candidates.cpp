@@ -151,7 +151,7 @@ std::vector<Candidate> minima_of_the_rest(const CageState& state, const Collapse
   std::vector<Candidate> least_at(mesh.vertex_slots());
   parallel_each(least_at.size(), default_grain, [&](std::size_t v) {
     const Candidate& least = state.best_edge[v];
-    if (taken[v] != 0 || least.key == no_key)
+    if (taken[v] != 0 || mesh.vertex_halfedge[v] == none || least.key == no_key)
       least_at[v] = {no_key, none};
     else if (taken[mesh.origin(least.halfedge)] == 0 && taken[mesh.target(least.halfedge)] == 0)
       least_at[v] = least;
@@ -195,7 +195,7 @@ std::vector<Candidate> select_independent_collapses(CageState& state, const Coll
     state.reselect[v] = 0;
     state.best_edge[v] = best_edge_at(state, static_cast<std::uint32_t>(v), order, [](std::uint32_t) { return true; });
   });
-  const std::vector<Candidate> selected = local_minima(mesh, state.best_edge);
+  std::vector<Candidate> selected = local_minima(mesh, state.best_edge);
   if (!order.rough) return selected;
   const std::vector<Candidate> more = minima_of_the_rest(state, order, selected);
   std::vector<Candidate> all(selected.size() + more.size());

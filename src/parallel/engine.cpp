@@ -200,9 +200,10 @@ class Engine {
   // Few faces can afford the rounds that the exact order takes. All edges must be selected anew.
   void set_order() { order_ = {context_.options->seed, state_.live_faces > many_faces}; }
 
-  // While most of the collapses are still to come, those to come need not be known so well.
+  // While most of the collapses are still to come, the order of those at hand matters little.
   bool estimates_costs() const {
-    return state_.live_faces > std::max({many_faces, first_faces_ / 8, 16 * context_.options->face_budget});
+    return state_.live_faces > std::max(many_faces, first_faces_ / 8) &&
+           state_.live_faces / 16 > context_.options->face_budget;
   }
 
   void sort_if_sparse() {
