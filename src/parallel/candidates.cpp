@@ -99,11 +99,11 @@ Candidate best_edge_at(const CageState& state, std::uint32_t v, const CollapseOr
   for_each_outgoing(state.mesh, v, [&](std::uint32_t h) {
     if (!free(state.mesh.target(h))) return;
     const std::uint32_t edge = std::min(h, state.mesh.twin[h]);
-    const float cost = order.rough ? step_of(state.edge_cost[edge]) : state.edge_cost[edge];
-    if (cost > least || cost == no_cost) return;
-    const Candidate candidate{candidate_key(cost, edge, order.seed), edge};
+    const float cost = state.edge_cost[edge], rank = order.rank(cost);
+    if (rank > least || cost == no_cost) return;
+    const Candidate candidate{order.key(cost, edge), edge};
     if (candidate < best) best = candidate;
-    least = cost;
+    least = rank;
   });
   return best;
 }
@@ -184,9 +184,7 @@ std::uint64_t candidate_key(float cost, std::uint32_t halfedge, std::uint64_t se
   return std::uint64_t{std::bit_cast<std::uint32_t>(cost)} << 32 | mix(halfedge ^ salt);
 }
 
-std::uint64_t CollapseOrder::key(float cost, std::uint32_t halfedge) const {
-  return candidate_key(rough ? step_of(cost) : cost, halfedge, seed);
-}
+float CollapseOrder::rank(float cost) const { return rough ? step_of(cost) : cost; }
 
 std::vector<Candidate> select_independent_collapses(CageState& state, const CollapseOrder& order) {
   const CornerTable& mesh = state.mesh;

@@ -24,7 +24,8 @@ struct CollapseOrder {
   // chains as long as the mesh is wide. And once the minima are selected, those of the edges that are left are as well.
   bool rough = false;
 
-  std::uint64_t key(float cost, std::uint32_t halfedge) const;
+  float rank(float cost) const;
+  std::uint64_t key(float cost, std::uint32_t halfedge) const { return candidate_key(rank(cost), halfedge, seed); }
 };
 
 // Edges of finite cost that are the minimum on every face of their star (in a rough order: or of those whose stars are
